@@ -4,18 +4,9 @@ program gearsweep_program
   use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
   use, intrinsic :: iso_fortran_env, only: error_unit, int64
   use gearsweep
-  use gearsweep_characters, only: printable
-  use gearsweep_describe, only: describe
-  use gearsweep_help, only: help_on
-  use gearsweep_new_case, only: write_new_case
-  use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record, try_checkpoint
-  use gearsweep_error, only: code_stopped
-  use gearsweep_files, only: check_folder, check_name, fail_system, folder_of, make_folder, read_text, remove_folder
-  use gearsweep_output, only: write_results
-  use gearsweep_study, only: record_t
-  use gearsweep_system, only: print_text
-  use gearsweep_taken, only: taken_of
-  use gearsweep_text, only: str, to_number
+  use gearsweep_base, only: closest_word, code_stopped, print_text, str, to_number, visible
+  use gearsweep_study, only: check_folder, check_name, fail_system, folder_of, make_folder, read_text, remove_folder
+  use gearsweep_api, only: describe, help_on, resuming_is_gone, write_new_case, write_results
   use gearsweep_interruption, only: catch_signals, drop_unread, watch
   use gearsweep_progress, only: show_progress
   implicit none
@@ -35,16 +26,15 @@ program gearsweep_program
   type :: arguments_t
     character(:), allocatable :: case, out, name
     integer :: threads = 0
-    logical :: verbose = .false., quiet = .false., resume = .false.
+    logical :: verbose = .false., quiet = .false.
   end type arguments_t
 
   type(arguments_t) :: arguments
   type(case_t) :: case
   type(study_t) :: study
-  type(record_t) :: record
   type(error_t), allocatable :: error
-  character(:), allocatable :: text, written, checkpoint
-  logical :: made = .false.
+  character(:), allocatable :: text, written
+  integer :: made = 0
   character, parameter :: lf = new_line('a')
   integer(int64) :: began, ended, rate
 
@@ -52,6 +42,7 @@ program gearsweep_program
   call drop_unread()
   call read_arguments(arguments)
   call read_text(place_of(arguments%case), text, error, stream=.true.)
+  if (allocated(error)) call suggest_command(error)
   ! Not before: a signal ends a program that waits for its case.
   call catch_signals()
   call check(error)
@@ -62,26 +53,19 @@ program gearsweep_program
   call check(error)
   call make_folder(arguments%out, made, error)
   call check(error)
-  checkpoint = arguments%out//'/'//arguments%name//'.checkpoint'
-  call try_checkpoint(checkpoint, error)
-  if (arguments%resume) call load_record(checkpoint, case, folder_of(arguments%case), record, error)
-  call check(error)
-  if (arguments%resume .and. .not. arguments%quiet) call complain('resumed: '//trim(taken_of(record, case)))
   if (progress_wanted()) then
-    call run_study(case, folder_of(arguments%case), arguments%threads, study, error, show_progress, watch=watch, record=record)
+    call run_study(case, folder_of(arguments%case), arguments%threads, study, error, show_progress, watch=watch)
     write (error_unit, '(a)', advance='no') achar(13)//repeat(' ', 60)//achar(13)
   else
-    call run_study(case, folder_of(arguments%case), arguments%threads, study, error, watch=watch, record=record)
+    call run_study(case, folder_of(arguments%case), arguments%threads, study, error, watch=watch)
   end if
   call check(error)
   call system_clock(ended)
   ! Before anything is printed: whoever reads may leave, and the process with him.
   call write_results(study, arguments%out, arguments%name, written, error)
-  if (study%stopped .and. .not. allocated(error)) call keep_record()
   if (.not. arguments%quiet) call show_answer()
   call check(error)
   if (study%stopped) call end_interrupted()
-  call drop_checkpoint(checkpoint, case, folder_of(arguments%case))
   if (failed_points(study) > 0) call finish(code_partial)
 
 contains
@@ -133,14 +117,8 @@ contains
     call check(error)
   end subroutine print_out
 
-  !> Leaves what an interrupted run has done to the next one.
-  subroutine keep_record()
-    call save_record(record, case, folder_of(arguments%case), checkpoint, error)
-    if (.not. allocated(error)) written = written//checkpoint//lf
-  end subroutine keep_record
-
   subroutine end_interrupted()
-    write (error_unit, '(a)') 'gearsweep: interrupted; the same command with --resume goes on from here'
+    write (error_unit, '(a)') 'gearsweep: interrupted; the tables have what was computed by then'
     call finish(code_stopped)
   end subroutine end_interrupted
 
@@ -152,6 +130,17 @@ contains
     path = word
     if (word == '-') path = '/dev/stdin'
   end function place_of
+
+  !> A word without a folder or an ending may be a command of the Python package that is misspelt.
+  subroutine suggest_command(error)
+    type(error_t), intent(inout) :: error
+    character(5), parameter :: commands(*) = ['panel', 'many ']
+    integer :: closest
+
+    closest = closest_word(arguments%case, commands)
+    if (closest > 0 .and. scan(arguments%case, './') == 0) error%message = error%message//' (did you mean the command '// &
+      trim(commands(closest))//' of the Python package?)'
+  end subroutine suggest_command
 
   !> File name without folder and ending.
   pure function stem(path) result(name)
@@ -170,15 +159,22 @@ contains
   subroutine read_arguments(arguments)
     type(arguments_t), intent(out) :: arguments
     character(:), allocatable :: word
-    logical :: ok
+    logical :: ok, all_names                     ! behind --
     integer :: i
 
+    all_names = .false.
     arguments%out = 'results'
     i = 0
     do while (i < command_argument_count())
       i = i + 1
       word = argument(i)
+      if (all_names) then
+        call take_case(word)
+        cycle
+      end if
       select case (word)
+      case ('--')
+        all_names = .true.
       case ('--help', '-h')
         call show_help_on(i + 1)
         call finish(code_ok)
@@ -188,7 +184,7 @@ contains
       case ('--new')
         call show_new_case(i + 1)
         call finish(code_ok)
-      case ('--version')
+      case ('--version', '-v', '-V')
         call print_line('gearsweep '//version)
         call finish(code_ok)
       case ('--verbose')
@@ -201,7 +197,7 @@ contains
         arguments%name = following(i, word)
         if (index(arguments%name, '/') > 0) call usage('--name: '//arguments%name//' must be a name without a folder')
       case ('--resume')
-        arguments%resume = .true.
+        call usage('--resume: '//resuming_is_gone)
       case ('--threads')
         call to_number(following(i, word), arguments%threads, ok)
         if (.not. ok .or. arguments%threads < 1 .or. arguments%threads > 1024) then
@@ -211,9 +207,7 @@ contains
         if (word == '--report' .or. ((word == 'many' .or. word == 'panel') .and. i == 1)) call usage(word//' is of the Python '// &
           'package, whose command is called gearsweep too: python -m gearsweep; see README.md')
         if (index(word, '-') == 1 .and. len(word) > 1) call usage('unknown option '//word)
-        if (allocated(arguments%case)) call usage('one case at a time: '//arguments%case//' and '//word)
-        if (len(word) == 0) call usage('the case has an empty name')
-        arguments%case = word
+        call take_case(word)
       end select
     end do
     if (.not. allocated(arguments%case)) call usage('no case given')
@@ -221,6 +215,14 @@ contains
     arguments%name = stem(arguments%case)
     if (arguments%case == '-') arguments%name = 'stdin'
   end subroutine read_arguments
+
+  subroutine take_case(word)
+    character(*), intent(in) :: word
+
+    if (allocated(arguments%case)) call usage('one case at a time: '//arguments%case//' and '//word)
+    if (len(word) == 0) call usage('the case has an empty name')
+    arguments%case = word
+  end subroutine take_case
 
   !> The word behind an option; steps over it.
   function following(i, option) result(word)
@@ -257,7 +259,7 @@ contains
       return
     end if
     call help_on(arguments_from(first), words, unknown)
-    if (allocated(unknown)) call usage('--help '//unknown%message)
+    if (allocated(unknown)) call usage('--help: '//unknown%message)
     call print_out(words)
   end subroutine show_help_on
 
@@ -271,7 +273,7 @@ contains
     else
       call describe(arguments_from(first), words, unknown)
     end if
-    if (allocated(unknown)) call usage('--describe '//unknown%message)
+    if (allocated(unknown)) call usage('--describe: '//unknown%message)
     call print_out(words)
   end subroutine show_description
 
@@ -288,7 +290,7 @@ contains
       tasks(i) = argument(first + i - 1)
     end do
     call write_new_case(tasks, words, unknown)
-    if (allocated(unknown)) call usage('--new '//unknown%message)
+    if (allocated(unknown)) call usage('--new: '//unknown%message)
     call print_out(words)
   end subroutine show_new_case
 
@@ -311,22 +313,21 @@ contains
       lf// &
       'usage: gearsweep CASE.nml [options]      (- reads the case from standard input)'//lf// &
       lf// &
-      '  --out FOLDER    where the tables go (results); it is made if missing'//lf// &
+      '  --out FOLDER    where the tables go (results); missing folders are made'//lf// &
       '  --name NAME     how the tables are called (as the case; stdin for -)'//lf// &
       '  --threads N     threads of the sweep (all); the answer is the same for any number'//lf// &
-      '  --resume        go on from where a run of this case was interrupted'//lf// &
       '  --verbose       also say which stages ran and what was left out'//lf// &
       '  --quiet         print errors only'//lf// &
-      '  --version       print the version'//lf// &
+      '  --version, -v   print the version'//lf// &
       '  --help          print this'//lf// &
-      '  --help WORD...  tell of a task, a group, a key or GROUP KEY of a case, or of what means these words'//lf// &
+      '  --help WORD...  describe a task, a group, a key or GROUP KEY of a case, or search the descriptions'//lf// &
       '  --new TASK...   print a case for these tasks with every key, its default and its meaning'//lf// &
       '  --new --short TASK...  the same with the required and the common keys only'//lf// &
       '  --describe      print all tasks, groups and keys as JSON'//lf// &
       lf// &
       'exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,'//lf// &
       '           4 some operating points have no answer, 5 a method failed, 6 memory,'//lf// &
-      '           130 interrupted: what is done is kept, and --resume goes on from there'//lf// &
+      '           130 interrupted: the tables have what was computed by then'//lf// &
       'doc/case.md describes the case.')
   end subroutine show_help
 
@@ -342,7 +343,7 @@ contains
     type(error_t), allocatable, intent(in) :: error
 
     if (.not. allocated(error)) return
-    if (made) call remove_folder(arguments%out)
+    if (made > 0) call remove_folder(arguments%out, made)
     call complain(error%message)
     call finish(error%code)
   end subroutine check
@@ -352,7 +353,7 @@ contains
     character(*), intent(in) :: message
     integer :: ignored
 
-    write (error_unit, '(a)', iostat=ignored) 'gearsweep: '//printable(message)
+    write (error_unit, '(a)', iostat=ignored) 'gearsweep: '//visible(message)
     flush (error_unit, iostat=ignored)
   end subroutine complain
 

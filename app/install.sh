@@ -1,5 +1,6 @@
 #!/bin/sh
-# Installs the program, the library (static and shared), its modules, the C header, and files for pkg-config and CMake:
+# Installs the program with its completion, the library (static and shared), its modules, the C header, and files for pkg-config
+# and CMake:
 #   sh app/install.sh PREFIX
 # Sets up and builds first where needed. What PREFIX holds already stays, but for files of these names.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
@@ -20,10 +21,13 @@ install_library() (
   mkdir -p "$run_dir" && cd "$root" || exit
   await_lock
   install_packages && make_venv || exit
+  # fpm adds to an archive that is there: objects of files that are gone would stay in it.
+  rm -f build/gfortran_*/gearsweep/libgearsweep.a
   run_fpm "installing into $prefix, about 1 min" install --profile release --no-prune --prefix "$prefix" \
     --libdir lib --includedir include/gearsweep || exit
   cp include/gearsweep.h "$prefix/include/gearsweep/" && make_shared || exit
-  mkdir -p "$prefix/lib/pkgconfig" "$prefix/lib/cmake/gearsweep" &&
+  completions=$prefix/share/bash-completion/completions
+  mkdir -p "$prefix/lib/pkgconfig" "$prefix/lib/cmake/gearsweep" "$completions" && cp app/completion.sh "$completions/gearsweep" &&
     write_pc "\${libdir}/libgearsweep.a $needs" '' >"$prefix/lib/pkgconfig/gearsweep.pc" &&
     write_pc '-L${libdir} -Wl,-rpath,${libdir} -lgearsweep' "$needs" >"$prefix/lib/pkgconfig/gearsweep-shared.pc" &&
     write_config >"$prefix/lib/cmake/gearsweep/gearsweepConfig.cmake" &&

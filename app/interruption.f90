@@ -1,7 +1,7 @@
 !> Ctrl-C and `kill` end a run soon, and what is done by then is kept; the second time they end it at once.
 module gearsweep_interruption
   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t
-  use gearsweep_error, only: code_stopped
+  use gearsweep_base, only: code_stopped
   implicit none
   private
   public :: catch_signals, drop_unread

@@ -1,8 +1,7 @@
 !> One line of a terminal that tells how far a run is: points, per cent, time left.
 module gearsweep_progress
   use, intrinsic :: iso_fortran_env, only: error_unit, int64
-  use gearsweep_kinds, only: dp
-  use gearsweep_text, only: fixed, str
+  use gearsweep_base, only: dp, fixed, str
   implicit none
   private
   public :: show_progress

@@ -132,7 +132,7 @@ def once(report):
         lean, full = map(float, run(sys.executable, '-c', ONCE.format(case=str(case), rounds=ROUNDS)).split())
         table.append((f'`data/{case.name}`', duration(lean), duration(full), f'{full / lean:.3g}'))
     report.add('**Python.** All tasks of a case by `gearsweep.run`, of which `python -m gearsweep` also draws its pictures, and each task by\n'
-               'a call of its own; stiffness of an earlier study. The same bits (`python/tests/test_same_bits.py`).\n')
+               'a call of its own; stiffness of an earlier study. The same bits (`python/tests/program/test_same_as_program.py`).\n')
     report.table(('case', 'in one call', 'task by task', 'ratio'), table)
 
 

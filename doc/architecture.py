@@ -1,57 +1,46 @@
-"""Draws doc/architecture.svg from the `use` statements of src and app, and writes the list of files on doc/architecture.md
-from the first sentence of each file: python3 doc/architecture.py
-With --stale and --rooms nothing is written: the former tells what is stale, the latter which module uses one of a room above
-its own."""
+"""Draws doc/develop/architecture.svg from the `use` statements of src and app, and writes the table of rooms on
+doc/develop/architecture.md: python3 doc/architecture.py
+With an option nothing is written. --files prints every file with its first sentence; --stale lists what is stale; --rooms lists modules
+that use a room above their own or another room past its front, that are not named after their path, or that are too long."""
 import html
 import re
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / 'doc/architecture.md'
-PICTURE = ROOT / 'doc/architecture.svg'
-BEGIN, END = '<!-- files: begin, by python3 doc/architecture.py -->', '<!-- files: end -->'
+PAGE = ROOT / 'doc/develop/architecture.md'
+PICTURE = ROOT / 'doc/develop/architecture.svg'
+MOST_LINES = 800
+BEGIN, END = '<!-- rooms: begin, by python3 doc/architecture.py -->', '<!-- rooms: end -->'
 
 # From the ground up: a room may use those before it. What each is for.
 ROOMS = {
-    'foundation': 'kinds, units, errors, text, polynomials, interfaces to C and to libraries',
-    'geometry': 'one gear, a pair, its path of contact, tooth profile and relief',
-    'elastic': 'finite elements of a gear body: compliance, stress, modes',
-    'mesh': 'stiffness of a pair of teeth, load sharing, static transmission error',
-    'rating': 'root stress under the real load, ISO 6336-3, Lewis',
-    'dynamics/model': 'the equation of motion once, and its coefficients over the phase',
-    'dynamics/step': 'one step and one period: collocation, contact events, load peaks',
-    'dynamics/solve': 'one operating point: steady motion, its stability, its error',
-    'dynamics/analyses': 'many points: sweep, optimum, response, stability, Poincare section',
-    'dynamics/quick': 'whole turns of many pairs of gears to 1e-3, in few long steps',
-    'bifurcation': 'branches of periodic motions, and where the motion changes its kind along them',
-    'sensitivity': 'how a motion changes with each number of its oscillator',
-    'reader': 'the form of a case: groups, keys and values of a text, each key declared once',
-    'case': 'what is wanted: the keys that several tasks share, their checks, and what a case knows of a task',
-    'tasks': 'what a case may ask for: a file or a folder for each, with its keys, its run and its tables',
-    'catalogue': 'all tasks and keys together: reading of cases, help, cases to begin with',
-    'study': 'from a case to its results, stage by stage, task by task',
-    'results': 'tables of results, and what is written from them',
-    'api': 'eleven calls for Fortran 77, C and Python',
+    'base': 'kinds, errors, texts, tables, polynomials, solvers, memory, the operating system',
+    'gear': 'one gear, a pair, its path of contact, tooth profile, tip relief, measures (ISO 21771, ISO 1328)',
+    'elastic': 'finite elements of a gear section: compliance, stress, modes; contact of flanks and tip corners',
+    'mesh': 'stiffness of a pair of teeth, load sharing, static transmission error, deviations of teeth',
+    'motion': 'the equation of motion, one step, one period, one operating point, sweeps, optimum',
+    'rating': 'root stress, flank pressure, ISO 6336, life, losses',
+    'study': 'from the text of a case to its tables: reader, case, run, results, tasks',
+    'nonlinear': 'stability, branches, sensitivity, and the tasks of nonlinear motion',
+    'as_built': 'gears with deviations of each tooth, and their task',
+    'body_modes': 'natural modes of gear bodies in three dimensions, and their task',
+    'api': 'the list of tasks, help, eleven calls for Fortran 77, C and Python',
     'facade': '`use gearsweep`: the public names',
     'app': 'the program: the only place that prints or stops',
 }
 
 
-# Rooms of which others use this module and none beside it.
-ENTRIES = {'bifurcation': 'gearsweep_bifurcation', 'sensitivity': 'gearsweep_sensitivity'}
-
-
 def room_of(path):
-    """Some rooms have folders, which are no rooms."""
-    folder = path.relative_to(ROOT).parent.as_posix().removeprefix('src/')
-    return 'facade' if folder == 'src' else next((room for room in ROOMS if folder.startswith(f'{room}/')), folder)
+    """The first folder below src; the room's front module is beside it."""
+    folder, *rest = path.relative_to(ROOT / 'src').parts if path.is_relative_to(ROOT / 'src') else ('app',)
+    return folder if rest or folder == 'app' else folder.removesuffix('.f90').replace('gearsweep', 'facade')
 
 
 def sources():
     """The files of src and app by room, each with its text."""
     files = sorted((path for folder in ('src', 'app') for path in (ROOT / folder).rglob('*') if path.suffix in ('.f90', '.c')),
-                   key=lambda path: (path.stem, path.suffix))
+                   key=lambda path: (path.parent != ROOT / 'src', path.parts, path.suffix))
     rooms = {}
     for path in files:
         rooms.setdefault(room_of(path), {})[path] = path.read_text()
@@ -72,12 +61,30 @@ def edges(rooms):
 
 
 def upwards(rooms):
-    """What uses a room above its own, or a room past its entry, a line each."""
+    """What uses a room above its own, or a module of another room that is not its front, a line each."""
     order = list(ROOMS)
     return [f'{path.relative_to(ROOT)} uses {name} of {other}, which stands above {room}' for path, room, name, other in edges(rooms)
             if room in ROOMS and other in ROOMS and order.index(other) > order.index(room)] + [
-        f'{path.relative_to(ROOT)} uses {name} of {other}, whose entry is {ENTRIES[other]}' for path, _, name, other in edges(rooms)
-            if other in ENTRIES and name.lower() != ENTRIES[other]]
+        f'{path.relative_to(ROOT)} uses {name}; the front of {other} is gearsweep_{other}' for path, _, name, other in edges(rooms)
+            if other in ROOMS and other not in ('facade', 'app') and name.lower() != f'gearsweep_{other}']
+
+
+def named_otherwise(rooms):
+    """Files whose module is not named after their path."""
+    return [f'{path.relative_to(ROOT)} must have the module {name}' for files in rooms.values() for path, text in files.items()
+            if path.is_relative_to(ROOT / 'src') and re.search(r'^module ', text, re.MULTILINE)
+            and not re.search(rf'^module {(name := module_of(path))}$', text, re.MULTILINE)]
+
+
+def module_of(path):
+    parts = path.relative_to(ROOT / 'src').with_suffix('').parts
+    return parts[0] if parts == ('gearsweep',) else '_'.join(('gearsweep', *parts))
+
+
+def too_long(rooms):
+    """Files with more lines than one noun needs."""
+    return [f'{path.relative_to(ROOT)} has {lines} lines, {MOST_LINES} at most' for files in rooms.values()
+            for path, text in files.items() if (lines := text.count('\n')) > MOST_LINES]
 
 
 def arrows(rooms):
@@ -152,21 +159,31 @@ def first_sentence(path, text):
     return said.replace('|', '\\|')
 
 
+def folder_of(room):
+    return {'facade': 'src/gearsweep.f90', 'app': 'app'}.get(room, f'src/{room}')
+
+
+def table_of(rooms):
+    """A row for each room: its folder, how many files, what it is for."""
+    lines = ['| room | files | what it is for |', '|---|---|---|']
+    for room, files in rooms.items():
+        lines.append(f'| [{folder_of(room)}](../../{folder_of(room)}) | {len(files)} | {ROOMS[room]} |')
+    return '\n'.join(lines)
+
+
 def listing(rooms):
-    """A table for each room: its files, and what they say they are for."""
+    """A part for each room: its files, and what they say they are for."""
     lines = []
     for room, files in rooms.items():
-        what = ROOMS[room].replace('`use gearsweep`: the', 'The')
-        folder = {'facade': 'src', 'app': 'app'}.get(room, f'src/{room}')
-        lines += ['', f'### {folder}', '', f'{what[0].upper()}{what[1:]}.', '', '| file | what it is for |', '|---|---|']
-        lines += [f'| [{path.name}](../{path.relative_to(ROOT).as_posix()}) | {first_sentence(path, text)} |' for path, text in files.items()]
+        lines += ['', f'### {folder_of(room)}', '', f'{ROOMS[room][0].upper()}{ROOMS[room][1:]}.', '', '| file | what it is for |', '|---|---|']
+        lines += [f'| [{(name := path.relative_to(ROOT).as_posix())}]({name}) | {first_sentence(path, text)} |' for path, text in files.items()]
     return '\n'.join([*lines, ''])
 
 
 def page_with(rooms):
     text = PAGE.read_text()
     before, rest = text.split(BEGIN)
-    return before + BEGIN + '\n' + listing(rooms) + '\n' + END + rest.split(END)[1]
+    return before + BEGIN + '\n' + table_of(rooms) + '\n' + END + rest.split(END)[1]
 
 
 def missing(rooms):
@@ -185,15 +202,19 @@ def missing(rooms):
 
 
 def stale(rooms):
-    """What is no longer as it would be written now."""
+    """What is no longer as it would be written now; each file must say what it is for."""
+    listing(rooms)
     return [f'{path.relative_to(ROOT)} is stale: python3 doc/architecture.py'
             for path, now in ((PAGE, page_with(rooms)), (PICTURE, draw(rooms))) if not path.exists() or path.read_text() != now]
 
 
 def main():
     rooms = sources()
+    if sys.argv[1:] == ['--files']:
+        print(listing(rooms))
+        return
     if sys.argv[1:]:
-        faults = {'--rooms': upwards, '--stale': lambda rooms: stale(rooms) or missing(rooms)}[sys.argv[1]](rooms)
+        faults = {'--rooms': lambda rooms: upwards(rooms) + named_otherwise(rooms) + too_long(rooms), '--stale': lambda rooms: stale(rooms) or missing(rooms)}[sys.argv[1]](rooms)
         print('\n'.join(faults), end='\n' if faults else '')
         raise SystemExit(bool(faults))
     PICTURE.write_text(draw(rooms))

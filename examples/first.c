@@ -13,7 +13,10 @@ int main(void) {
   double relief[20], factor[20], rpm[20];
   int rows, kind, width;
   char message[200];
-  if (gsc_run(text, strlen(text), NULL, 0, NULL, NULL, NULL, NULL, &study, message, sizeof message) ||
+  int code = gsc_run(text, strlen(text), NULL, 0, NULL, NULL, NULL, NULL, &study, message, sizeof message);
+  /* Some operating points have no result; the others have. */
+  if (code == GSC_PARTIAL) fprintf(stderr, "%s\n", message);
+  if ((code != GSC_OK && code != GSC_PARTIAL) ||
       gsc_size(study, "sweep_worst", "rpm", &rows, &kind, &width, message, sizeof message) ||
       gsc_column(study, "sweep_worst", "relief_um", 20, relief, message, sizeof message) ||
       gsc_column(study, "sweep_worst", "worst_dynamic_factor", 20, factor, message, sizeof message) ||

@@ -18,6 +18,9 @@ C     for each relief.
       WATCH(1) = 0
       CALL GS_RUN(TEXT, ' ', 0, NONE, WATCH, ' ', ' ', STUDY, INFO,
      1  MESSAG)
+C     4: some operating points have no result; the others have.
+      IF (INFO .EQ. 4) WRITE (*, '(A)') MESSAG
+      IF (INFO .EQ. 4) INFO = 0
       IF (INFO .EQ. 0) CALL GS_SIZE(STUDY, 'sweep_worst', 'rpm', NREL,
      1  KIND, WIDTH, INFO, MESSAG)
       IF (INFO .EQ. 0) CALL GS_COLUMN(STUDY, 'sweep_worst', 'relief_um',
@@ -26,7 +29,10 @@ C     for each relief.
      1  'worst_dynamic_factor', MAXREL, FACTOR, INFO, MESSAG)
       IF (INFO .EQ. 0) CALL GS_COLUMN(STUDY, 'sweep_worst', 'rpm',
      1  MAXREL, RPM, INFO, MESSAG)
-      IF (INFO .NE. 0) STOP 'failed'
+      IF (INFO .NE. 0) THEN
+        WRITE (*, '(A)') MESSAG
+        STOP 1
+      END IF
       WRITE (*, 10) (RELIEF(I), FACTOR(I), RPM(I), I = 1, NREL)
    10 FORMAT (F5.1, ' um: worst dynamic factor', F8.4, ' at', F8.1,
      1  ' rpm')

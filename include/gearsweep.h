@@ -60,7 +60,9 @@ int gsc_describe(const char *what, char *buffer, size_t buffer_size, size_t *len
    "unused"    the keys that the case gives but does not use, mostly for tasks that it does not name: for each use that
                they would have, a line "use: &group key, key; &group key"
    "new"       a case for the tasks in text, separated by blanks, with every key of theirs and its default
-   Only "change" takes group, key and value; NULL is empty. */
+   "table"     not of a case: the rows of a table in text, which may be written as doc/case.md tells of tables, as JSON:
+               [[line, name, name ...], [line, field, field ...] ...]; key is its name for messages
+   Else only "change" takes group, key and value; NULL is empty. */
 int gsc_edit(const char *action, const char *text, size_t text_length, const char *group, const char *key,
              const char *value, char *buffer, size_t buffer_size, size_t *length, char *message, size_t message_size);
 
@@ -72,11 +74,8 @@ int gsc_edit(const char *action, const char *text, size_t text_length, const cha
    watch[3] watch[0] is 0; whoever sets it to another number while the call computes, a signal's handler or another
             thread, ends the run soon (GSC_INTERRUPTED; points that are not computed have the status "stopped" and NaN).
             watch[1]: operating points done so far, never fewer than before, watch[2]: of how many. NULL: not watched
-   resume   file that an interrupted run left: what was done by then is taken over, to the same bits; one of another
-            version, or of a case that differs, is refused. NULL or empty: begins anew
-   keep     file that is written where the run is interrupted, and removed where it is not; may be that of resume;
-            whether it can be written is tried before the run, and where it cannot in the end, the message of
-            GSC_INTERRUPTED says so. NULL or empty: none
+   resume, keep  NULL or empty. They named files for resuming a run in earlier versions; any text is refused (GSC_INPUT), as a
+            single run is no longer resumed
    study    what was found; untouched after an error */
 int gsc_run(const char *text, size_t text_length, const char *folder, int threads, const gsc_study *earlier, int *watch,
             const char *resume, const char *keep, gsc_study **study, char *message, size_t message_size);

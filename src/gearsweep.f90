@@ -12,46 +12,21 @@
 !> Nothing here prints or stops; an allocated `error` means that a call failed.
 !> The modules behind it can be used by themselves, stage by stage.
 module gearsweep
-  use gearsweep_kinds, only: dp
-  use gearsweep_version, only: version
-  use gearsweep_error, only: error_t, code_ok, code_input, code_usage, code_file, code_partial, code_numerical, code_memory
-  use gearsweep_gear, only: gear_spec_t, gear_t, make_gear, drive, coast
-  use gearsweep_pair, only: pair_t, make_pair, free_centre_distance, tip_alteration
-  use gearsweep_relief, only: relief_t, profile_error, linear, parabolic
-  use gearsweep_corner, only: corner_t, corner_contact, corner_reach, add_corners
-  use gearsweep_material, only: material_t
-  use gearsweep_stiffness, only: polynomial_stiffness, table_stiffness, iso_stiffness
-  use gearsweep_weber, only: weber_stiffness
-  use gearsweep_disc, only: disc_t
-  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_section, only: section_options_t, section_t, make_section
-  use gearsweep_section_body, only: section_body_t, make_two_grids
-  use gearsweep_modal, only: modal_t, section_modes
-  use gearsweep_stress, only: root_stress_t, root_stress
-  use gearsweep_root_rating, only: root_options_t, root_rating_t, rate_root
-  use gearsweep_beam, only: beam_t, hassan_shape
-  use gearsweep_form, only: iso_form_t, iso_form, lewis_factor
-  use gearsweep_vtu, only: vtu_field_t, vtu_text
-  use gearsweep_mesh, only: mesh_t
-  use gearsweep_sharing, only: sharing_t, share_load
-  use gearsweep_harmonics, only: harmonics_t, find_harmonics
-  use gearsweep_attractor_search, only: attractor_options_t
-  use gearsweep_attractors, only: attractor_t, attractors_t, find_attractors
-  use gearsweep_continuation, only: branch_t, change_t, branch_options_t, follow_branch
-  use gearsweep_error_estimate, only: accuracy_t
-  use gearsweep_optimum, only: optimum_t, peak_t, find_optimum, find_resonances
-  use gearsweep_oscillator, only: oscillator_t, make_oscillator
-  use gearsweep_poincare, only: section_points_t, sample_section
-  use gearsweep_response, only: response_t, find_response
-  use gearsweep_stability, only: stability_t, map_stability
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down
-  use gearsweep_tongues, only: tongue_t, find_tongues
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_study, only: study_t, run_study
-  use gearsweep_report, only: report, write_report, failed_points
-  use gearsweep_table, only: table_t, column_t, kind_real, kind_integer, kind_text
-  use gearsweep_tables, only: table_names, make_table, column_of, write_table
+  use gearsweep_base, only: code_file, code_input, code_memory, code_numerical, code_ok, code_partial, code_usage, column_t, dp, &
+    error_t, kind_integer, kind_real, kind_text, table_t, version
+  use gearsweep_gear, only: add_corners, coast, corner_contact, corner_reach, corner_t, drive, free_centre_distance, gear_spec_t, &
+    gear_t, linear, make_gear, make_pair, pair_t, parabolic, profile_error, relief_t, tip_alteration
+  use gearsweep_elastic, only: disc_t, fe_options_t, fe_stiffness, make_section, make_two_grids, material_t, modal_t, root_stress, &
+    root_stress_t, section_body_t, section_modes, section_options_t, section_t, vtu_field_t, vtu_text
+  use gearsweep_mesh, only: find_harmonics, harmonics_t, iso_stiffness, mesh_t, polynomial_stiffness, share_load, sharing_t, &
+    table_stiffness, weber_stiffness
+  use gearsweep_motion, only: accuracy_t, attractor_options_t, attractor_t, attractors_t, branch_options_t, branch_t, change_t, &
+    down, each, find_attractors, find_optimum, find_resonances, find_response, follow_branch, make_oscillator, optimum_t, &
+    oscillator_t, peak_t, response_t, run_sweep, sample_section, section_points_t, sweep_options_t, sweep_t, up
+  use gearsweep_rating, only: beam_t, hassan_shape, iso_form, iso_form_t, lewis_factor, rate_root, root_options_t, root_rating_t
+  use gearsweep_study, only: case_t, column_of, failed_points, report, run_study, study_t, write_report
+  use gearsweep_nonlinear, only: find_tongues, map_stability, stability_t, tongue_t
+  use gearsweep_api, only: make_table, read_case, table_names, write_table
   implicit none
   public
 end module gearsweep

@@ -39,11 +39,12 @@ need() {
 }
 
 # run_pytest ARGUMENTS: pytest in $work, away from the checkout, so that the installed package is what is tested. The last line is
-# `N passed, N failed`, as pytest counts.
+# `N passed, N failed`, as pytest counts. No test takes more than 15 minutes: it fails then, and where it does not heed that, the run ends.
 run_pytest() {
   cd "$work" || exit
   {
-    "$venv/bin/python" -m pytest -q -rs --tb=short --durations=20 --durations-min=0.5 -p no:cacheprovider "$@"
+    "$venv/bin/python" -m pytest -q -rs --tb=short --durations=20 --durations-min=0.5 -p no:cacheprovider --timeout=900 \
+      -o faulthandler_timeout=1200 -o faulthandler_exit_on_timeout=true "$@"
     echo $? >code
   } | tee said
   code=$(cat code)

@@ -1,9 +1,9 @@
 !> Gears of Dogan et al. 2021: module 3.18 mm, 25.4 mm wide, of the standard rack unless said.
 module dogan_gears
-  use gearsweep_error, only: error_t
-  use gearsweep_gear, only: gear_spec_t, gear_t, make_gear
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_pair, only: make_pair, pair_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_gear_pair, only: make_pair, pair_t
   implicit none
   private
   public :: dogan_gear, dogan_pair

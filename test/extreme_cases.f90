@@ -1,24 +1,23 @@
 !> The table of stiff and extreme cases, test/extreme/cases.txt, and what becomes
 !> of each case.
 module extreme_cases
-  use gearsweep_kinds, only: dp
+  use gearsweep_base_kinds, only: dp
   use, intrinsic :: iso_fortran_env, only: int64
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-  use gearsweep_error_estimate, only: point_t
-  use gearsweep_operating_point, only: solve_point
-  use gearsweep_oscillator, only: mesh_period
-  use gearsweep_refinement, only: levels_t
-  use gearsweep_sweep, only: down, each
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_edit, only: change_key
-  use gearsweep_error, only: error_t
-  use gearsweep_files, only: read_text
-  use gearsweep_status, only: status_name
-  use gearsweep_study, only: study_t, run_study
-  use gearsweep_table, only: table_t
-  use gearsweep_tables, only: column_of, make_table
-  use gearsweep_text, only: to_number
+  use gearsweep_motion_error_estimate, only: levels_t, point_t
+  use gearsweep_motion_operating_point, only: solve_point
+  use gearsweep_motion_oscillator, only: mesh_period
+  use gearsweep_motion_sweep, only: down, each
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_study_reader_edit, only: change_key
+  use gearsweep_base_error, only: error_t
+  use gearsweep_study_run_files, only: read_text
+  use gearsweep_motion_steady_motion, only: status_name
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_base_table, only: table_t
+  use gearsweep_api_tables, only: column_of, make_table
+  use gearsweep_base_text, only: to_number
   implicit none
   private
   public :: row_t, read_cases, is_case, outcome_t, outcome_of, same_bits, expected_value

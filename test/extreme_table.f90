@@ -1,8 +1,8 @@
 !> The table of stiff and extreme cases with what becomes of each, as Markdown;
-!> test/extreme/table.sh makes doc/limits.md of it.
+!> test/extreme/table.sh makes test/extreme/table.md of it.
 module extreme_table
-  use gearsweep_kinds, only: dp
-  use gearsweep_text, only: str
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_base_text, only: str
   use extreme_cases, only: row_t, read_cases, is_case, outcome_t, outcome_of, expected_value
   implicit none
   private

@@ -1,10 +1,10 @@
 !> Gears of Hassan et al. 2009: module 25 mm, 125 mm wide; the rack tip radius is inferred.
 module hassan_gears
-  use gearsweep_error, only: error_t
-  use gearsweep_gear, only: gear_spec_t, gear_t, make_gear
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_pair, only: make_pair, pair_t
-  use gearsweep_section, only: section_options_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_gear_pair, only: make_pair, pair_t
+  use gearsweep_elastic_section, only: section_options_t
   implicit none
   private
   public :: hassan_gear, hassan_pair, hassan_options

@@ -1,6 +1,6 @@
 !> Runs the test suites, or only those named as arguments: SUITE, or SUITE:TEST for its tests whose names contain TEST.
 !> With `--short`, all but those that take long with run-time checks.
-!> With `limits` alone, prints the table of doc/limits.md instead; with `reference`, doc/case.md as
+!> With `limits` alone, prints the table of test/extreme/table.md instead; with `reference`, doc/case.md as
 !> the keys are declared. Where the environment's GEARSWEEP_CHECKS names a file, each check
 !> is added to it as a line `passed SUITE: NAME` or `failed SUITE: NAME`.
 program check
@@ -10,22 +10,24 @@ program check
   use test_as_built, only: run_as_built => run
   use test_quick_turns, only: run_quick_turns => run
   use test_attractors, only: run_attractors => run
-  use test_beyond, only: run_beyond => run
+  use test_contact_beyond_path, only: run_contact_beyond_path => run
   use test_bifurcations, only: run_bifurcations => run
+  use test_bracket, only: run_bracket => run
   use test_branches, only: run_branches => run
   use test_calls, only: run_calls => run
-  use test_closed_estimates, only: run_closed_estimates => run
-  use test_closed_geometry, only: run_closed_geometry => run
-  use test_closed_limits, only: run_closed_limits => run
-  use test_closed_modes, only: run_closed_modes => run
-  use test_closed_piecewise, only: run_closed_piecewise => run
-  use test_closed_relief, only: run_closed_relief => run
-  use test_closed_stiffness, only: run_closed_stiffness => run
-  use test_closed_stress, only: run_closed_stress => run
-  use test_corner, only: run_corner => run
-  use test_completion, only: run_completion => run
+  use test_static_estimates, only: run_static_estimates => run
+  use test_geometry_closed_forms, only: run_geometry_closed_forms => run
+  use test_refusal_limits, only: run_refusal_limits => run
+  use test_modes_closed_forms, only: run_modes_closed_forms => run
+  use test_piecewise, only: run_piecewise => run
+  use test_relief_closed_forms, only: run_relief_closed_forms => run
+  use test_stiffness_closed_forms, only: run_stiffness_closed_forms => run
+  use test_stress_closed_forms, only: run_stress_closed_forms => run
+  use test_coast_flanks, only: run_coast_flanks => run
+  use test_tip_corner, only: run_tip_corner => run
+  use test_defaults_written_out, only: run_defaults_written_out => run
   use test_declarations, only: run_declarations => run, write_page
-  use test_earlier, only: run_earlier => run
+  use test_reuse, only: run_reuse => run
   use test_elastic_body, only: run_elastic_body => run
   use test_body_modes, only: run_body_modes => run
   use test_elastic_corner, only: run_elastic_corner => run
@@ -34,15 +36,15 @@ program check
   use test_elastic_stiffness, only: run_elastic_stiffness => run
   use test_elastic_stress, only: run_elastic_stress => run
   use test_energy, only: run_energy => run
-  use test_estimates, only: run_estimates => run
+  use test_estimate_closed_forms, only: run_estimate_closed_forms => run
   use test_extremes, only: run_extremes => run
-  use test_figures, only: run_figures => run
+  use test_table_filling, only: run_table_filling => run
   use test_flank, only: run_flank => run
-  use test_found, only: run_found => run
+  use test_motion_selection, only: run_motion_selection => run
   use test_frequency_response, only: run_frequency_response => run
   use test_geometry, only: run_geometry => run
-  use test_grading, only: run_grading => run
-  use test_honesty, only: run_honesty => run
+  use test_graded_steps, only: run_graded_steps => run
+  use test_estimate_coverage, only: run_estimate_coverage => run
   use test_harmonics, only: run_harmonics => run
   use test_hub, only: run_hub => run
   use test_inputs, only: run_inputs => run
@@ -53,26 +55,27 @@ program check
   use test_methods, only: run_methods => run
   use test_motion, only: run_motion => run
   use test_oscillator, only: run_oscillator => run
-  use test_points, only: run_points => run
+  use test_same_point_in_all_tasks, only: run_same_point_in_all_tasks => run
   use test_precision, only: run_precision => run
   use test_rating, only: run_rating => run
   use test_rating_methods, only: run_rating_methods => run
   use test_reader, only: run_reader => run
   use test_reliefs, only: run_reliefs => run
   use test_resonances, only: run_resonances => run
-  use test_resume, only: run_resume => run
-  use test_scenes, only: run_scenes => run
+  use test_selective_evaluation, only: run_selective_evaluation => run
   use test_sensitivity, only: run_sensitivity => run
   use test_stability, only: run_stability => run
-  use test_summary, only: run_summary => run
+  use test_stopping, only: run_stopping => run
+  use test_motion_summary, only: run_motion_summary => run
   use test_sweep, only: run_sweep => run
+  use test_torques, only: run_torques => run
   use test_transient, only: run_transient => run
   use testing, only: suite_t, tally_t
   implicit none
   !> With run-time checks these take longer than all others together; `--short` leaves them out.
   character(*), parameter :: long(13) = [character(24) :: 'inputs', 'methods', 'bifurcations', 'elastic_modes', 'body_modes', &
-                                         'elastic_corner', 'scenes', 'reliefs', 'transient', 'precision', 'points', &
-                                         'attractors', 'as_built']
+                                         'elastic_corner', 'selective_evaluation', 'reliefs', 'transient', 'precision', &
+                                         'same_point_in_all_tasks', 'attractors', 'as_built']
   integer :: passed = 0, failed = 0
   character(:), allocatable :: ignored
 
@@ -88,53 +91,56 @@ program check
     & suite_t('reader', run_reader), &
     & suite_t('inputs', run_inputs), &
     & suite_t('declarations', run_declarations), &
-    & suite_t('completion', run_completion), &
+    & suite_t('defaults_written_out', run_defaults_written_out), &
     & suite_t('geometry', run_geometry), &
-    & suite_t('closed_geometry', run_closed_geometry), &
+    & suite_t('geometry_closed_forms', run_geometry_closed_forms), &
     & suite_t('measures', run_measures), &
-    & suite_t('closed_relief', run_closed_relief), &
-    & suite_t('corner', run_corner), &
+    & suite_t('relief_closed_forms', run_relief_closed_forms), &
+    & suite_t('tip_corner', run_tip_corner), &
     & suite_t('mesh', run_mesh), &
-    & suite_t('closed_stiffness', run_closed_stiffness), &
+    & suite_t('stiffness_closed_forms', run_stiffness_closed_forms), &
     & suite_t('harmonics', run_harmonics), &
-    & suite_t('beyond', run_beyond), &
+    & suite_t('contact_beyond_path', run_contact_beyond_path), &
     & suite_t('motion', run_motion), &
-    & suite_t('found', run_found), &
+    & suite_t('motion_selection', run_motion_selection), &
     & suite_t('oscillator', run_oscillator), &
-    & suite_t('grading', run_grading), &
+    & suite_t('graded_steps', run_graded_steps), &
     & suite_t('methods', run_methods), &
     & suite_t('sweep', run_sweep), &
     & suite_t('resonances', run_resonances), &
-    & suite_t('points', run_points), &
+    & suite_t('same_point_in_all_tasks', run_same_point_in_all_tasks), &
     & suite_t('precision', run_precision), &
-    & suite_t('earlier', run_earlier), &
-    & suite_t('resume', run_resume), &
+    & suite_t('reuse', run_reuse), &
+    & suite_t('stopping', run_stopping), &
     & suite_t('stability', run_stability), &
+    & suite_t('bracket', run_bracket), &
     & suite_t('branches', run_branches), &
     & suite_t('attractors', run_attractors), &
     & suite_t('as_built', run_as_built), &
+    & suite_t('coast_flanks', run_coast_flanks), &
     & suite_t('quick_turns', run_quick_turns), &
     & suite_t('bifurcations', run_bifurcations), &
     & suite_t('sensitivity', run_sensitivity), &
     & suite_t('energy', run_energy), &
     & suite_t('reliefs', run_reliefs), &
-    & suite_t('summary', run_summary), &
-    & suite_t('estimates', run_estimates), &
+    & suite_t('torques', run_torques), &
+    & suite_t('motion_summary', run_motion_summary), &
+    & suite_t('estimate_closed_forms', run_estimate_closed_forms), &
     & suite_t('extremes', run_extremes), &
-    & suite_t('honesty', run_honesty), &
+    & suite_t('estimate_coverage', run_estimate_coverage), &
     & suite_t('rating', run_rating), &
-    & suite_t('figures', run_figures), &
+    & suite_t('table_filling', run_table_filling), &
     & suite_t('flank', run_flank), &
     & suite_t('iso_rating', run_iso_rating), &
     & suite_t('rating_methods', run_rating_methods), &
     & suite_t('transient', run_transient), &
     & suite_t('frequency_response', run_frequency_response), &
     & suite_t('life', run_life), &
-    & suite_t('closed_stress', run_closed_stress), &
-    & suite_t('closed_estimates', run_closed_estimates), &
-    & suite_t('closed_limits', run_closed_limits), &
-    & suite_t('closed_modes', run_closed_modes), &
-    & suite_t('closed_piecewise', run_closed_piecewise), &
+    & suite_t('stress_closed_forms', run_stress_closed_forms), &
+    & suite_t('static_estimates', run_static_estimates), &
+    & suite_t('refusal_limits', run_refusal_limits), &
+    & suite_t('modes_closed_forms', run_modes_closed_forms), &
+    & suite_t('piecewise', run_piecewise), &
     & suite_t('sparse', run_sparse), &
     & suite_t('elastic_body', run_elastic_body), &
     & suite_t('elastic_modes', run_elastic_modes), &
@@ -144,7 +150,7 @@ program check
     & suite_t('body_modes', run_body_modes), &
     & suite_t('elastic_corner', run_elastic_corner), &
     & suite_t('hub', run_hub), &
-    & suite_t('scenes', run_scenes), &
+    & suite_t('selective_evaluation', run_selective_evaluation), &
     & suite_t('calls', run_calls)])
   print '(i0, a, i0, a)', passed, ' passed, ', failed, ' failed'
   if (failed > 0 .or. passed == 0) stop 1, quiet=.true.

@@ -157,14 +157,14 @@ def torque():
     rb1, rb2 = (radius / 1000 for radius in BASES)
     for one in points:
         rows = rows_of(times, one, 'relief_um', 'rpm')
-        for member in ('pinion', 'gear'):
-            values = [row[f'{member}_torque_nm'] for row in rows]
-            near('largest torque', one[f'{member}_largest_nm'], max(values), 1e-3)
-            near('least torque', one[f'{member}_least_nm'], min(values), 1e-3)
-            true('mean between them', one[f'{member}_least_nm'] < one[f'{member}_mean_nm'] < one[f'{member}_largest_nm'])
-            mean = sum((b['tau'] - a['tau']) * (a[f'{member}_friction_nm'] + b[f'{member}_friction_nm']) / 2
+        for gear in ('pinion', 'gear'):
+            values = [row[f'{gear}_torque_nm'] for row in rows]
+            near('largest torque', one[f'{gear}_largest_nm'], max(values), 1e-3)
+            near('least torque', one[f'{gear}_least_nm'], min(values), 1e-3)
+            true('mean between them', one[f'{gear}_least_nm'] < one[f'{gear}_mean_nm'] < one[f'{gear}_largest_nm'])
+            mean = sum((b['tau'] - a['tau']) * (a[f'{gear}_friction_nm'] + b[f'{gear}_friction_nm']) / 2
                        for a, b in pairwise(rows)) / rows[-1]['tau']  # fmt: skip
-            near('mean friction', one[f'{member}_friction_mean_nm'], mean, 0.02, 0.01)
+            near('mean friction', one[f'{gear}_friction_mean_nm'], mean, 0.02, 0.01)
         near('mean without friction', one['pinion_mean_nm'] / rb1 - one['gear_mean_nm'] / rb2,
              one['pinion_friction_mean_nm'] / rb1 - one['gear_friction_mean_nm'] / rb2, 1e-4)  # fmt: skip
         near('what friction takes', one['friction_loss'], 1 - one['gear_mean_nm'] / one['pinion_mean_nm'] * Z1 / Z2)
@@ -190,9 +190,9 @@ def torque():
         off = [sum((a * cmath.exp(2j * math.pi * k * row['tau'])).real for k, a in terms) - x for row, x in zip(rows, elastic)]
         true('harmonics add up to the load', sum(x * x for x in off) < 0.06 * sum((x - mean) ** 2 for x in elastic))
     for row in table('torque_harmonics'):
-        for member in ('pinion', 'gear'):
-            known = row['harmonic'] == 0 or row[f'{member}_amplitude_nm'] > row[f'{member}_error_nm']
-            true('a phase where the amplitude is known', math.isnan(row[f'{member}_phase_deg']) != known)
+        for gear in ('pinion', 'gear'):
+            known = row['harmonic'] == 0 or row[f'{gear}_amplitude_nm'] > row[f'{gear}_error_nm']
+            true('a phase where the amplitude is known', math.isnan(row[f'{gear}_phase_deg']) != known)
 
 
 def half_width(load, gear, radius):
@@ -217,8 +217,8 @@ def flank():
             near('half width of the contact', row['half_width_um'], half_width(row['pair_load_n'], 0, radius), 1e-6)
             near('p = 2 F/(pi b a)', row['pressure_mpa'], 2e3 * row['pair_load_n'] / (math.pi * WIDTH * row['half_width_um']), 1e-9)
             # Blok's flash temperature, of two flanks that conduct 45 and 60 W/(m K): 7850 kg/m^3, 484 J/(kg K).
-            heat = sum(math.sqrt(conductivity * 7850 * 484 * row[f'{member}_rolling_m_s'])
-                       for member, conductivity in (('pinion', 45), ('gear', 60)))  # fmt: skip
+            heat = sum(math.sqrt(conductivity * 7850 * 484 * row[f'{gear}_rolling_m_s'])
+                       for gear, conductivity in (('pinion', 45), ('gear', 60)))  # fmt: skip
             power = row['friction_power_w'] / (WIDTH / 1000)
             near('flash temperature', row['flash_temperature_k'], 1.11 * power / (heat * math.sqrt(2e-6 * row['half_width_um'])), 2e-3)
     for one in losses:
@@ -251,7 +251,7 @@ def rating():
     near('f_pb after running in', first['pitch_deviation_um'], 9.25)
     near('f_f_alpha after running in', first['profile_deviation_um'], 7.4)
     for row in rows:
-        k = row['member'] == 'gear'
+        k = row['gear'] == 'gear'
         of = factors[k]
         k_v = rows_of(dynamic, row, 'relief_um', 'rpm')[0]
         near('K_v', row['internal_dynamic_factor'], max(k_v['dynamic_factor_a'], k_v['dynamic_factor_b']))
@@ -271,11 +271,11 @@ def rating():
 def life():
     rows, parts, passes = table('life'), table('life_parts'), 30
     for row in parts:
-        hours, ratio = (10, 20)[int(row['part']) - 1], 1 if row['member'] == 'pinion' else Z1 / Z2
+        hours, ratio = (10, 20)[int(row['part']) - 1], 1 if row['gear'] == 'pinion' else Z1 / Z2
         near('engagements', row['engagements'], 60 * row['rpm'] * hours * ratio)
         near('cycle about its mean', row['amplitude_mpa'] / (1 - row['mean_mpa'] / 1100), row['equivalent_amplitude_mpa'])
     for one in rows:
-        own = rows_of(parts, one, 'relief_um', 'member')
+        own = rows_of(parts, one, 'relief_um', 'gear')
         near('damage of both parts', one['damage'], sum(row['damage'] for row in own))
         near('worst part', one['worst_part'], max(own, key=lambda row: row['damage'])['part'] if one['damage'] else 0)
         near('largest stress', one['largest_root_stress_mpa'], max(row['root_stress_mpa'] for row in own))

@@ -2,10 +2,10 @@
 !> small ones to thin rims, sections and whole gears, supports, fineness.
 module random_bodies
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_error, only: error_t
-  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_section, only: section_options_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_gear_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_section, only: section_options_t
   use random_numbers, only: random_t
   implicit none
   private

@@ -2,8 +2,8 @@
 !> test/extreme/prescribed.nml over many orders of magnitude.
 module random_extremes
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_kinds, only: dp
-  use gearsweep_text, only: str
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_base_text, only: str
   use extreme_cases, only: row_t
   use random_numbers, only: random_t
   implicit none

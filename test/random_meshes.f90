@@ -2,11 +2,11 @@
 !> stiffness, short linear relief on both gears, masses, load, damping.
 module random_meshes
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_error, only: error_t
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_oscillator, only: oscillator_t, make_oscillator
-  use gearsweep_relief, only: relief_t, profile_error
-  use gearsweep_stiffness, only: polynomial_stiffness
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_gear_relief, only: profile_error, relief_t
+  use gearsweep_mesh_stiffness, only: polynomial_stiffness
   use random_numbers, only: random_t
   implicit none
   private

@@ -2,14 +2,14 @@
 !> critical, contact ratios just above a whole number, reliefs, backlash, friction, tip corners that touch.
 module random_motions
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_error, only: error_t
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_oscillator, only: oscillator_t, make_oscillator
-  use gearsweep_relief, only: linear, parabolic, relief_t, profile_error
-  use gearsweep_stiffness, only: polynomial_stiffness
-  use gearsweep_study, only: study_t, run_study
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_gear_relief, only: linear, parabolic, profile_error, relief_t
+  use gearsweep_mesh_stiffness, only: polynomial_stiffness
+  use gearsweep_study_run_study, only: run_study, study_t
   use random_meshes, only: draw_t
   use random_numbers, only: random_t
   implicit none

@@ -1,7 +1,7 @@
 !> Random numbers that are the same everywhere, by Park and Miller's generator.
 module random_numbers
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_kinds, only: dp
+  use gearsweep_base_kinds, only: dp
   implicit none
   private
   public :: random_t

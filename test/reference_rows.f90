@@ -1,11 +1,11 @@
 !> Reads the reference tables of test/reference: prescribed meshes with their
 !> dynamic factor and largest Floquet multiplier, had by independent methods.
 module reference_rows
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_error, only: error_t
-  use gearsweep_oscillator, only: oscillator_t, make_oscillator
-  use gearsweep_relief, only: relief_t, profile_error
-  use gearsweep_stiffness, only: polynomial_stiffness
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_gear_relief, only: profile_error, relief_t
+  use gearsweep_mesh_stiffness, only: polynomial_stiffness
   implicit none
   private
   public :: row_t, next_row, read_rows, row_of, oscillator_of, complete, prescribed

@@ -1,10 +1,9 @@
 !> Tables without what differs from run to run, such as run times: the rest is the same bits for the same input.
 module reproducible
-  use gearsweep_csv, only: write_csv
-  use gearsweep_error, only: error_t
-  use gearsweep_study, only: study_t
-  use gearsweep_table, only: column_t, table_t
-  use gearsweep_tables, only: make_table
+  use gearsweep_base_table, only: column_t, table_t, write_csv
+  use gearsweep_base_error, only: error_t
+  use gearsweep_study_run_study, only: study_t
+  use gearsweep_api_tables, only: make_table
   implicit none
   private
   public :: write_reproducible

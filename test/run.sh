@@ -56,7 +56,7 @@ add() {
 interruptible=
 env --default-signal=INT,QUIT true 2>/dev/null && interruptible=--default-signal=INT,QUIT
 
-# run_part NAME COMMAND...: what it says goes to NAME.said, its code to NAME.code.
+# run_part NAME COMMAND...: what it says goes to NAME.said, its code to NAME.code. One that hangs is ended after three hours.
 run_part() {
   part=$1
   shift
@@ -64,7 +64,7 @@ run_part() {
   mkfifo "$work/$part.pipe" || exit
   tee "$work/$part.said" <"$work/$part.pipe" | tell "$part" &
   telling=$!
-  env $interruptible "$@" </dev/null >"$work/$part.pipe" 2>&1 &
+  env $interruptible timeout -k 60 10800 "$@" </dev/null >"$work/$part.pipe" 2>&1 &
   doing=$!
   wait "$doing"
   echo $? >"$work/$part.code"

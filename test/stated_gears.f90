@@ -1,7 +1,7 @@
 !> Pairs of gears as a designer states them, and the closed forms of ISO 21771 for them, which see nothing of the library.
 module stated_gears
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_text, only: str
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_base_text, only: str
   implicit none
   private
   public :: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, base_pitch
@@ -40,21 +40,21 @@ contains
 
     text = '&pair module_mm='//str(pair%module, 17)//' face_width_mm=20 pressure_angle_deg='//str(pair%angle(1), 17)// &
       ' coast_angle_deg='//str(pair%angle(2), 17)//' centre_distance_mm='//str(pair%distance, 17)//' / '
-    text = text//'&pinion '//member(1)
+    text = text//'&pinion '//keys_of(1)
     if (present(pinion)) text = text//pinion
-    text = text//' / &gear '//member(2)
+    text = text//' / &gear '//keys_of(2)
     if (present(gear)) text = text//gear
     text = text//' / '
 
   contains
 
-    function member(i) result(words)
+    function keys_of(i) result(words)
       integer, intent(in) :: i
       character(:), allocatable :: words
 
       words = 'teeth='//str(pair%teeth(i))//' profile_shift='//str(pair%shift(i), 17)//' addendum='// &
         str(pair%addendum(i), 17)//' dedendum='//str(pair%dedendum(i), 17)//' rack_tip_radius='//str(pair%rounding(i), 17)//' '
-    end function member
+    end function keys_of
   end function text_of
 
   pure real(dp) function involute(angle)
@@ -114,16 +114,16 @@ contains
 
   !> Half the angle of the tooth on one side, at `radius`: what its share of the reference thickness,
   !> m (pi/4 + x tan(alpha)), and the involute leave.
-  pure real(dp) function half_tooth(pair, member, side, radius) result(angle)
+  pure real(dp) function half_tooth(pair, gear, side, radius) result(angle)
     type(stated_t), intent(in) :: pair
-    integer, intent(in) :: member, side
+    integer, intent(in) :: gear, side
     real(dp), intent(in) :: radius
     real(dp) :: rb(2)
 
     rb = base_radius(pair, side)
     associate (alpha => pair%angle(side)*degree)
-      angle = pair%module*(pi/4 + pair%shift(member)*tan(alpha))/(pair%module*pair%teeth(member)/2) &
-              + involute(alpha) - involute(acos(rb(member)/radius))
+      angle = pair%module*(pi/4 + pair%shift(gear)*tan(alpha))/(pair%module*pair%teeth(gear)/2) &
+              + involute(alpha) - involute(acos(rb(gear)/radius))
     end associate
   end function half_tooth
 end module stated_gears

@@ -2,30 +2,28 @@
 !> (test/reference/as_built.dat), and identities.
 module test_as_built
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_checkpoint, only: load_record, save_record
-  use gearsweep_deviations, only: deviations_t, make_deviations, wave_t
-  use gearsweep_error, only: error_t
-  use gearsweep_error_estimate, only: accuracy_t
-  use gearsweep_flank_deviations, only: draw_deviations, flank_deviations_t, frame_t, lay_deviations
-  use gearsweep_form, only: iso_form, nominal_root_stress
-  use gearsweep_gear, only: gear_t, make_gear
-  use gearsweep_harmonics, only: find_harmonics, harmonics_t, static_range
-  use gearsweep_pair, only: free_centre_distance, make_pair, pair_t
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_oscillator, only: make_oscillator, oscillator_t
-  use gearsweep_piecewise, only: piecewise_t, polynomial
-  use gearsweep_random_stream, only: begin_stream, random_stream_t
-  use gearsweep_refinement, only: levels_t
-  use gearsweep_spectrum, only: find_spectrum, spectrum_t
-  use gearsweep_status, only: has_result, status_name
-  use gearsweep_report, only: failed_points, report
-  use gearsweep_study, only: record_t, run_study
-  use gearsweep_text, only: str
-  use gearsweep_tolerances, only: find_tolerances, tolerances_t
-  use gearsweep_turn, only: find_turn, turn_t
-  use quantities, only: answer_t, ask, refusal
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_mesh_deviations, only: deviations_t, make_deviations, wave_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_error_estimate, only: accuracy_t, levels_t
+  use gearsweep_mesh_flank_deviations, only: draw_deviations, flank_deviations_t, frame_t, is_within, lay_deviations
+  use gearsweep_rating_form, only: iso_form, nominal_root_stress
+  use gearsweep_gear_gear, only: gear_t, make_gear
+  use gearsweep_mesh_harmonics, only: find_harmonics, harmonics_t, static_range
+  use gearsweep_gear_pair, only: free_centre_distance, make_pair, pair_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_base_piecewise, only: piecewise_t, polynomial
+  use gearsweep_base_random_stream, only: begin_stream, random_stream_t
+  use gearsweep_motion_spectrum, only: find_spectrum, spectrum_t
+  use gearsweep_motion_steady_motion, only: has_result, status_name
+  use gearsweep_study_results_report, only: failed_points, report
+  use gearsweep_study_run_study, only: run_study
+  use gearsweep_base_text, only: str
+  use gearsweep_gear_measures, only: find_tolerances, tolerances_t
+  use gearsweep_motion_response, only: find_turn, turn_t
+  use ask_by_name, only: answer_t, ask, refusal
   use reference_rows, only: next_row
   use testing, only: check_close, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
   implicit none
@@ -73,6 +71,8 @@ contains
     if (t%wants('repelling')) call repelling(t, given)
     if (t%wants('classes')) call classes(t)
     if (t%wants('drawn')) call drawn(t)
+    if (t%wants('inspected')) call inspected(t)
+    if (t%wants('inspected_again')) call inspected_again(t)
     if (t%wants('followed')) call followed(t)
     if (t%wants('told_again')) call told_again(t)
     if (t%wants('unanswered')) call unanswered(t)
@@ -83,6 +83,7 @@ contains
     if (t%wants('measured_flanks')) call measured_flanks(t)
     if (t%wants('changed_file')) call changed_file(t)
     if (t%wants('wrong_files')) call wrong_files(t)
+    if (t%wants('stress_of_each_relief')) call stress_of_each_relief(t)
     if (t%wants('off_the_path')) call off_the_path(t)
   end subroutine run
 
@@ -209,6 +210,10 @@ contains
           call check_true(t, 'error within twice its estimate', off < 2*turn%point%estimate + 1e-11_dp, &
                           given(i)%name//str(off)//', estimated '//str(turn%point%estimate))
           call check_true(t, 'error within the tolerance', off < tolerance(k), given(i)%name//str(off))
+        end associate
+        associate (off => abs(turn%point%steady%dte_range - um*(given(i)%largest - given(i)%least)))
+          call check_true(t, 'peak-to-peak within twice its estimate', off < 2*turn%point%dte_estimate + 1e-9_dp*um, &
+                          given(i)%name//str(off/um)//', estimated '//str(turn%point%dte_estimate/um))
         end associate
       end do
     end do
@@ -858,6 +863,114 @@ contains
     end function spread_of
   end subroutine drawn
 
+  !> An inspection: the least deviation that each of the four tolerances rejects, of single teeth and of an eccentric gear whose
+  !> teeth are a quarter of a turn apart; and the part of gears drawn that are within the class by their slopes alone, of which each
+  !> is 0.25 times a normal number of the gear and 0.2 times one of the tooth, by Simpson's rule.
+  subroutine inspected(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: teeth = 24, draws = 4000, points = 4000
+    real(dp), parameter :: wide = 1e6_dp
+    type(random_stream_t) :: random
+    type(flank_deviations_t) :: flanks
+    type(frame_t) :: frame
+    real(dp) :: part, u
+    integer :: i, within
+
+    flanks%cumulative_pitch = um*[0, 0, 3, 5, 4, 0, -2, 0]
+    flanks%slope = um*[1, -4, 2, 3, 0, 0, 0, 0]
+    call look(tolerances_t(single_pitch=4.001_dp, cumulative_pitch=7.001_dp, profile_slope=4.001_dp), .true.)
+    call look(tolerances_t(single_pitch=3.999_dp, cumulative_pitch=7.001_dp, profile_slope=4.001_dp), .false.)
+    call look(tolerances_t(single_pitch=4.001_dp, cumulative_pitch=6.999_dp, profile_slope=4.001_dp), .false.)
+    call look(tolerances_t(single_pitch=4.001_dp, cumulative_pitch=7.001_dp, profile_slope=3.999_dp), .false.)
+    flanks%cumulative_pitch = 0*um*[1, 2, 3, 4]
+    flanks%slope = flanks%cumulative_pitch
+    flanks%runout = 8*um
+    frame%along = 0.8_dp
+    call look(tolerances_t(single_pitch=5.001_dp, cumulative_pitch=10.001_dp, runout=8.001_dp), .true.)
+    call look(tolerances_t(single_pitch=4.999_dp, cumulative_pitch=10.001_dp, runout=8.001_dp), .false.)
+    call look(tolerances_t(single_pitch=5.001_dp, cumulative_pitch=9.999_dp, runout=8.001_dp), .false.)
+    call look(tolerances_t(single_pitch=5.001_dp, cumulative_pitch=10.001_dp, runout=7.999_dp), .false.)
+    ! Pitch that takes the run-out back, on the pinion; on the gear, whose late flanks touch early, it is the other way.
+    flanks%cumulative_pitch = -5*um*[0, 1, 0, -1]
+    call look(tolerances_t(single_pitch=0.001_dp, cumulative_pitch=0.001_dp, runout=8.001_dp), .true.)
+    call check_true(t, 'of the gear', is_within(flanks, tolerances_t(single_pitch=10.001_dp, cumulative_pitch=20.001_dp, &
+                                                                     runout=9.0_dp), frame, 2) .and. .not. &
+                    is_within(flanks, tolerances_t(single_pitch=10.001_dp, cumulative_pitch=19.999_dp, runout=9.0_dp), frame, 2))
+
+    flanks = flank_deviations_t()
+    frame = frame_t()
+    random = begin_stream(3)
+    within = 0
+    do i = 1, draws
+      call draw_deviations(tolerances_t(profile_slope=7.5_dp), teeth, random, flanks)
+      if (is_within(flanks, tolerances_t(wide, wide, 7.5_dp, runout=wide), frame, 1)) within = within + 1
+    end do
+    part = 0
+    do i = 0, points
+      u = -8 + 16.0_dp*i/points
+      part = part + merge(1, merge(4, 2, modulo(i, 2) == 1), i == 0 .or. i == points)*exp(-u**2/2)* &
+             ((erf((1 - 0.25_dp*u)/(0.2_dp*sqrt(2.0_dp))) + erf((1 + 0.25_dp*u)/(0.2_dp*sqrt(2.0_dp))))/2)**teeth
+    end do
+    part = part*16/(3*points)/sqrt(2*pi)
+    call check_close(t, 'within the class by slopes', within/real(draws, dp), part, absolute=5*sqrt(part*(1 - part)/draws))
+
+  contains
+
+    subroutine look(tolerances, accepted)
+      type(tolerances_t), intent(in) :: tolerances
+      logical, intent(in) :: accepted
+
+      call check_true(t, 'accepted or not', is_within(flanks, tolerances, frame, 1) .eqv. accepted, &
+                      str(tolerances%single_pitch)//' '//str(tolerances%cumulative_pitch))
+    end subroutine look
+  end subroutine inspected
+
+  !> Gears that are accepted are those of all draws of the same seed that are within their class, in the same order.
+  subroutine inspected_again(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: text = '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth = '// &
+      '20 / &gear teeth = 21 / &load torque_nm = 100 / &mesh model = ''weber'' / &sweep rpm_first = 9000, rpm_last = 9000, '// &
+      'rpm_step = 100 / &dynamics damping_ratio = 0.1 / &deviations pinion_class = 6, draws = 30'
+    type(answer_t) :: all_drawn, accepted
+    real(dp), allocatable :: factor(:), of_all(:), within(:)
+    integer :: i, met
+
+    call ask(t, text//' /', all_drawn)
+    call ask(t, text//', accepted = .true. /', accepted)
+    of_all = all_drawn%all_of('as_built.dynamic_factor')
+    factor = accepted%all_of('as_built.dynamic_factor')
+    met = 0
+    do i = 1, size(of_all)
+      if (abs(of_all(i) - factor(met + 1)) <= 0) met = met + 1
+    end do
+    within = all_drawn%all_of('as_built_summary.within_class')
+    call check_true(t, 'some are rejected', met > 15 .and. met < 30, str(met))
+    call check_close(t, 'the part that is within', within(1), met/30.0_dp, absolute=1e-12_dp)
+    within = accepted%all_of('as_built_summary.within_class')
+    call check_close(t, 'all are accepted', within(1), 1.0_dp, absolute=0.0_dp)
+  end subroutine inspected_again
+
+  !> Gears without errors are nominal: so is their root stress, of each relief at the speed of its own largest dynamic factor.
+  subroutine stress_of_each_relief(t)
+    type(tally_t), intent(inout) :: t
+    type(answer_t) :: answer
+    real(dp), allocatable :: nominal(:), own(:), rpm(:)
+    integer :: i
+
+    call ask(t, '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 21 / '// &
+             '&gear teeth = 34 / '// &
+             '&load torque_nm = 100 / &relief amount_um = 0, 8, 16 / &mesh model = ''weber'' / '// &
+             '&sweep rpm_first = 3000, rpm_last = 18000, rpm_step = 1500 / &as_built with_root_stress = .true. / '// &
+             '&deviations pinion_runout_um = 0, pinion_runout_phase_deg = 0 /', answer)
+    rpm = answer%all_of('as_built_worst.rpm')
+    call check_true(t, 'largest at different speeds', size(rpm) == 3 .and. maxval(rpm) > minval(rpm) + 1, str(maxval(rpm)))
+    do i = 1, 2
+      own = answer%all_of('as_built_worst.'//trim(merge('pinion', 'gear  ', i == 1))//'_root_stress_mpa')
+      nominal = answer%all_of('as_built_worst.nominal_'//trim(merge('pinion', 'gear  ', i == 1))//'_root_stress_mpa')
+      call check_true(t, 'root stress of each relief', size(own) == 3 .and. all(abs(own - nominal) < 1e-4_dp*own))
+    end do
+  end subroutine stress_of_each_relief
+
   !> The pair of gears and the assembly that are followed are those that are asked for: the largest load of their turn is their
   !> largest dynamic factor, and the summary names those with the largest of all.
   subroutine followed(t)
@@ -865,7 +978,8 @@ contains
     integer, parameter :: draws = 3, assemblies = 5
     type(answer_t) :: answer
     real(dp), allocatable :: factor(:), largest(:)
-    integer :: best, k, worst
+    integer, allocatable :: tooth(:)
+    integer :: a, best, draw, k, worst
 
     do k = 1, 2
       call ask(t, '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 20 / '// &
@@ -876,7 +990,14 @@ contains
       factor = answer%all_of('as_built_worst.dynamic_factor')
       call check_true(t, 'pairs of gears and assemblies', size(factor) == draws*assemblies)
       largest = answer%all_of('as_built_loads.load_ratio')
-      call check_close(t, 'the pair of gears that is followed', maxval(largest), factor(assemblies*(3 - k) + 2*k), 1e-9_dp)
+      ! Each to the tolerance of the case.
+      call check_close(t, 'the pair of gears that is followed', maxval(largest), factor(assemblies*(3 - k) + 2*k), 1e-6_dp)
+      ! Teeth that meet differ by what the first ones do, and a multiple of what both numbers of teeth have in common.
+      tooth = nint(answer%all_of('as_built_worst.gear_tooth') - answer%all_of('as_built_worst.pinion_tooth') - &
+                   answer%all_of('as_built_worst.first_gear_tooth')) + 1
+      call check_true(t, 'teeth that meet', size(tooth) == draws*assemblies .and. all(modulo(tooth, assemblies) == 0))
+      tooth = nint(answer%all_of('as_built_worst.first_gear_tooth'))
+      call check_true(t, 'first tooth of the gear', all(tooth == [((a, a=1, assemblies), draw=1, draws)]))
     end do
     worst = maxloc(factor, 1) - 1
     best = minloc(factor, 1) - 1
@@ -1213,13 +1334,12 @@ contains
     call check_no_error(t, 'measured flanks', error)
   end subroutine ask_in
 
-  !> What stands in a file is an input: where it changes, nothing is taken over from an earlier study or an interrupted run.
+  !> What stands in a file is an input: where it changes, nothing is taken over from an earlier study.
   subroutine changed_file(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: taken = 'as_built, taken over'
     type(answer_t) :: first, second, third
     type(case_t) :: case
-    type(record_t) :: record
     type(error_t), allocatable :: error
     character(:), allocatable :: folder, path
 
@@ -1230,9 +1350,6 @@ contains
     call check_true(t, 'counting of a gear without a file or list', index(case%unused, 'gear_counting') > 0, case%unused)
     call run_study(case, folder//'/', 1, first%study, error)
     call check_no_error(t, 'with a file', error)
-    call save_record(record, case, folder//'/', folder//'/checkpoint', error)
-    call load_record(folder//'/checkpoint', case, folder//'/', record, error)
-    call check_no_error(t, 'the same file', error)
     call run_study(case, folder//'/', 1, second%study, error, earlier=first%study)
     call check_true(t, 'the same file: taken over', index(second%study%log, 'pinion_flanks_file, taken over') > 0, second%study%log)
     ! Another constant at the end of the row of the last point.
@@ -1242,8 +1359,6 @@ contains
     call check_true(t, 'another file: not taken over', index(third%study%log, 'taken over') == 0, third%study%log)
     call check_true(t, 'another file: another motion', abs(third%one('as_built.dynamic_factor') - &
                                                            first%one('as_built.dynamic_factor')) > 1e-3_dp)
-    call load_record(folder//'/checkpoint', case, folder//'/', record, error)
-    call check_error(t, 'another file', error, 'the case or a file that it names was changed since')
     call remove_folder(folder)
   end subroutine changed_file
 

@@ -3,19 +3,18 @@
 module test_attractors
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
-  use gearsweep_all_motions, only: largest_reached
-  use gearsweep_attractor_search, only: attractor_options_t, start_states
-  use gearsweep_attractors, only: attractors_t, find_attractors
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_error, only: error_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: mesh_period, oscillator_t
-  use gearsweep_status, only: has_result, status_ok, status_stopped, status_unresolved
-  use gearsweep_study, only: run_study, study_t
-  use gearsweep_tables, only: column_of
-  use gearsweep_text, only: str
-  use quantities, only: answer_t, ask
+  use gearsweep_motion_attractors, only: attractors_t, find_attractors, largest_reached
+  use gearsweep_motion_attractor_search, only: attractor_options_t, start_states
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_motion_oscillator, only: mesh_period, oscillator_t
+  use gearsweep_motion_steady_motion, only: has_result, status_ok, status_stopped, status_unresolved
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_api_tables, only: column_of
+  use gearsweep_base_text, only: str
+  use ask_by_name, only: answer_t, ask
   use reference_rows, only: next_row, oscillator_of, row_of, row_t
   use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
   implicit none

@@ -1,20 +1,19 @@
 !> Whole branches of periodic motions and where they change: against places known to many digits from closed forms, and
 !> identities between one parameter and another.
 module test_bifurcations
-  use gearsweep_arclength, only: tangent_of
-  use gearsweep_continuation, only: branch_options_t, branch_t, follow_branch
-  use gearsweep_error, only: error_t
-  use gearsweep_error_estimate, only: accuracy_t, point_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: make_oscillator, oscillator_t
-  use gearsweep_ramp, only: follow_ramp, level_t, ramp_options_t, ramp_t
-  use gearsweep_status, only: has_result
-  use gearsweep_table, only: table_t
-  use gearsweep_tables, only: make_table
-  use gearsweep_text, only: str
-  use quantities, only: answer_t, ask, refusal
+  use gearsweep_nonlinear_motion_equations, only: tangent_of
+  use gearsweep_motion_continuation, only: branch_options_t, branch_t, follow_branch, follow_ramp, level_t, ramp_options_t, ramp_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_error_estimate, only: accuracy_t, point_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_motion_steady_motion, only: has_result
+  use gearsweep_base_table, only: table_t
+  use gearsweep_api_tables, only: make_table
+  use gearsweep_base_text, only: str
+  use ask_by_name, only: answer_t, ask, refusal
   use reference_rows, only: next_row, prescribed
-  use single_points, only: solve
+  use solve_one_point, only: solve
   use testing, only: check_close, check_equal, check_true, tally_t
   implicit none
   private
@@ -45,8 +44,6 @@ contains
     if (t%wants('fold_over_damping')) call fold_over_damping(t)
     if (t%wants('load_and_relief')) call load_and_relief(t)
     if (t%wants('corners_keep_their_sense')) call corners_keep_their_sense(t)
-    if (t%wants('doubling_curve')) call doubling_curve(t)
-    if (t%wants('curves_to_another_damping')) call curves_to_another_damping(t)
     if (t%wants('refused')) call refused(t)
     if (t%wants('nothing_in_silence')) call nothing_in_silence(t)
     if (t%wants('vertical_line')) call vertical_line(t)
@@ -458,74 +455,6 @@ contains
     call check_true(t, 'changes compared', compared > 3, str(compared)//' of '//str(size(relief)))
   end subroutine load_and_relief
 
-  !> A curve over speed and damping ratio: in every point of a doubling in full contact the closed map of the square wave has
-  !> the multiplier -1.
-  subroutine doubling_curve(t)
-    type(tally_t), intent(inout) :: t
-    type(answer_t) :: answer
-    type(table_t) :: table
-    type(error_t), allocatable :: error
-    real(dp) :: worst, largest
-    integer :: i, points
-
-    call ask(t, pair//flat//'&dynamics damping_ratio = 0.03 / &branches first = 24000 last = 38000 seeds = 2 most_periods = 1 '// &
-             'second = ''damping_ratio'' second_first = 0.01 second_last = 0.2 /', answer)
-    call make_table(answer%study, 'branch_curves', table, error)
-    points = 0
-    worst = 0
-    largest = 0
-    do i = 1, table%rows
-      if (table%word('kind', i) /= 'doubling') cycle
-      points = points + 1
-      largest = max(largest, table%number('damping_ratio', i))
-      worst = max(worst, abs(square_wave(table%number('damping_ratio', i), table%number('rpm', i))))
-    end do
-    call check_true(t, 'points of doublings', points > 50, str(points))
-    call check_close(t, 'a multiplier is -1', worst, 0.0_dp, absolute=1e-8_dp)
-    ! Both edges of the tongue at the case's damping lie on it, and it is followed once.
-    call check_equal(t, 'curves of doublings', nint(maxval(table%numbers('curve'))), 1)
-    call check_true(t, 'from one edge of the tongue to the other', table%word('first_end', 1) == 'range' .and. &
-                    table%word('last_end', 1) == 'range')
-    call check_true(t, 'up to the damping that closes the tongue', largest > 0.05_dp .and. largest < 0.2_dp, str(largest))
-  end subroutine doubling_curve
-
-  !> A curve of folds or grazings ends, at another damping ratio, where the branches of that have a fold or a grazing.
-  subroutine curves_to_another_damping(t)
-    type(tally_t), intent(inout) :: t
-    character(*), parameter :: speeds = '&branches first = 10000 last = 12000 seeds = 3 most_periods = 1 '
-    type(answer_t) :: answer, other
-    type(table_t) :: table
-    type(error_t), allocatable :: error
-    character(word), allocatable :: kind(:)
-    integer, allocatable :: periods(:)
-    real(dp), allocatable :: place(:), factor(:)
-    integer :: i, folds, grazings
-
-    call ask(t, pair//flat//damped//speeds//'second = ''damping_ratio'' second_first = 0.02 second_last = 0.06 /', answer)
-    call ask(t, pair//flat//'&dynamics damping_ratio = 0.02 / '//speeds//'/', other)
-    call changes_of(other, 'rpm', kind, periods, place, factor)
-    call make_table(answer%study, 'branch_curves', table, error)
-    folds = 0
-    grazings = 0
-    do i = 1, table%rows
-      ! A curve that ends with the range of one of the numbers has its last point there.
-      if (nint(table%number('curve', i)) /= nint(table%number('curve', min(i + 1, table%rows))) .or. i == table%rows) then
-        call check_true(t, 'why a curve ends', (table%word('last_end', i) == 'range') .eqv. &
-                        (minval(abs(table%number('damping_ratio', i) - [0.02_dp, 0.06_dp])) < 1e-12_dp .or. &
-                         minval(abs(table%number('rpm', i) - [10000, 12000])) < 1e-6_dp), table%word('last_end', i))
-      end if
-      if (abs(table%number('damping_ratio', i) - 0.02_dp) > 1e-12_dp) cycle
-      associate (name => table%word('kind', i), rpm => table%number('rpm', i))
-        if (name == 'fold') folds = folds + 1
-        if (name == 'grazing') grazings = grazings + 1
-        call check_close(t, trim(name)//' at another damping ratio', minval(abs(place - rpm), mask=kind == name), 0.0_dp, &
-                         absolute=1e-8_dp*rpm)
-      end associate
-    end do
-    call check_true(t, 'a curve of folds', folds > 0, str(folds))
-    call check_true(t, 'a curve of grazings', grazings > 0, str(grazings))
-  end subroutine curves_to_another_damping
-
   !> Two linear pieces that meet in a face: along the broken line of zeros the tangents of both lead through the face to the
   !> same side, also where the line turns back.
   subroutine corners_keep_their_sense(t)
@@ -562,13 +491,9 @@ contains
     call refuses('&branches parameter = ''relief_um'' first = 0 last = 10 rpm = 5000 relief_um = 0 / &relief amount_um = 0 /', &
                  'the relief is the parameter')
     call refuses('&branches parameter = ''torque'' /', 'parameter')
-    call refuses('&branches first = 5000 last = 6000 second = ''rpm'' second_first = 1 second_last = 2 /', 'is the first')
-    call refuses('&branches first = 5000 last = 6000 second_first = 1 /', 'needs second')
-    call refuses('&branches first = 5000 last = 6000 seeds = 1 second = ''normal_force_n'' '// &
-                 'second_first = 1 second_last = 2 /', 'between them')
-    call refuses('&branches first = 5000 last = 6000 second = ''normal_force_n'' second_first = 3 second_last = 2 /', &
-                 'must be above second_first')
-    call refuses('&branches first = 5000 last = 6000 second = ''damping_ratio'' second_first = 0 /', 'second_last')
+    call refuses('&branches first = 5000 last = 6000 second = ''damping_ratio'' second_first = 0.01 second_last = 0.1 /', &
+                 'curves over two numbers are no longer computed')
+    call refuses('&branches first = 5000 last = 6000 second_last = 0.1 /', 'curves over two numbers are no longer computed')
 
   contains
 

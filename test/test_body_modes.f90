@@ -2,16 +2,16 @@
 !> published ones.
 module test_body_modes
   use, intrinsic :: iso_c_binding, only: c_null_ptr
-  use gearsweep_blas, only: hold_blas, release_blas
-  use gearsweep_body_modes, only: body_modes_t, body_options_t, find_body_modes, name_of
-  use gearsweep_error, only: error_t
-  use gearsweep_gear, only: gear_spec_t, gear_t, make_gear
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_sector, only: blank_t, make_gear_sector, make_ring_sector, sector_t
-  use gearsweep_sector_modes, only: antisymmetric, axial, find_sector_modes, radial, rigid_motions, sector_mode_t, support_t, &
-                                    symmetric, tangential
-  use gearsweep_text, only: str
+  use gearsweep_base_system, only: hold_blas, release_blas
+  use gearsweep_body_modes_body_modes, only: body_modes_t, body_options_t, find_body_modes, name_of
+  use gearsweep_base_error, only: error_t
+  use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_body_modes_sector, only: blank_t, make_gear_sector, make_ring_sector, sector_t
+  use gearsweep_body_modes_sector_modes, only: antisymmetric, axial, find_sector_modes, radial, rigid_motions, sector_mode_t, &
+            support_t, symmetric, tangential
+  use gearsweep_base_text, only: str
   use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
   use whole_bodies, only: whole_frequencies
   implicit none

@@ -2,18 +2,21 @@
 !> methods, and the tongues.
 module test_branches
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_kinds, only: dp
-  use gearsweep_continuation, only: branch_t, branch_options_t, follow_branch
-  use gearsweep_error_estimate, only: accuracy_t, point_t
-  use gearsweep_operating_point, only: solve_point
-  use gearsweep_oscillator, only: mesh_period, oscillator_t, make_oscillator
-  use gearsweep_poincare, only: sample_section, section_points_t
-  use gearsweep_refinement, only: levels_t
-  use gearsweep_tongues, only: find_tongues, tongue_t
-  use gearsweep_transient, only: steady_options_t
-  use gearsweep_error, only: error_t
-  use gearsweep_status, only: has_result, status_chaotic, status_name, status_ok, status_subharmonic
-  use gearsweep_text, only: str
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_motion_continuation, only: branch_options_t, branch_t, follow_branch
+  use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, point_t
+  use gearsweep_motion_operating_point, only: solve_point
+  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_motion_poincare, only: sample_section, section_points_t
+  use gearsweep_nonlinear_stability, only: find_tongues, tongue_t
+  use gearsweep_motion_transient, only: steady_options_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_steady_motion, only: has_result, status_chaotic, status_name, status_ok, status_subharmonic
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_api_tables, only: column_of
+  use gearsweep_base_text, only: str
   use reference_rows, only: next_row, prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
@@ -30,6 +33,7 @@ contains
     if (t%wants('ends_of_motions')) call ends_of_motions(t)
     if (t%wants('doubling_at_the_tongue')) call doubling_at_the_tongue(t)
     if (t%wants('chaos')) call chaos(t)
+    if (t%wants('seen_of_chaos')) call seen_of_chaos(t)
     if (t%wants('one_speed_alone')) call one_speed_alone(t)
     if (t%wants('section_of_a_steady_motion')) call section_of_a_steady_motion(t)
     if (t%wants('too_slow')) call too_slow(t)
@@ -148,6 +152,108 @@ contains
     close (unit)
     call check_equal(t, 'motions read', rows, 5)
   end subroutine chaos
+
+  !> What a sweep has seen of chaotic motions, against many more mesh periods in Runge-Kutta steps that know contact by the
+  !> overlap alone: no load and no range above what those reach, and not far below; the root mean square is that of any long part
+  !> of the motion. What is watched begins where the integral of twice the damping over the time has reached 2 ln 100, and ends
+  !> after 500 periods, or later where disturbances have grown by less than exp(40). Both chaotic motions soon differ, and so
+  !> does when that integral is reached. As built, with a run-out of 1e-12 m, whole
+  !> turns are watched, over longer than those steps, so that the load may be larger.
+  subroutine seen_of_chaos(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: zeta(3) = [0.01_dp, 0.01_dp, 0.02_dp], rpm(3) = [2050.0_dp, 2250.0_dp, 2250.0_dp]
+    real(dp), parameter :: faded = 2*log(100.0_dp), close = 0.1_dp, rounding = 1e-4_dp, alike = 0.05_dp
+    type(case_t) :: case
+    type(study_t) :: study
+    type(error_t), allocatable :: error
+    real(dp) :: factor, rms, range
+    integer :: i, begin
+
+    do i = 1, size(rpm)
+      call read_case('&case tasks = ''sweep'', ''as_built'' / &pinion teeth = 25 effective_mass_kg = 1.6 / '// &
+                     '&gear teeth = 25 effective_mass_kg = 1.6 / &load normal_force_n = 7000 / '// &
+                     '&deviations pinion_runout_um = 1e-6 pinion_runout_phase_deg = 0 / '// &
+                     '&relief amount_um = 0 / &mesh model = ''polynomial'' contact_ratio = 1.6 '// &
+                     'coefficients = 400 / &dynamics damping_ratio = '//str(zeta(i))//' / &sweep rpm_first = '//str(rpm(i))// &
+                     ' rpm_last = '//str(rpm(i))//' rpm_step = 1 direction = ''each'' /', case, error)
+      call check_no_error(t, 'the case', error)
+      if (.not. allocated(error)) call run_study(case, '', 1, study, error)
+      call check_no_error(t, 'the study', error)
+      if (allocated(error)) return
+      call march_on(zeta(i), rpm(i), faded, factor, rms, range, begin)
+      call check_true(t, 'no dynamic factor', ieee_is_nan(number('sweep', 'dynamic_factor')))
+      call check_at_most('load', number('sweep', 'seen_dynamic_factor'), factor)
+      call check_at_most('range', number('sweep', 'seen_dte_peak_to_peak_um'), range)
+      call check_close(t, 'root mean square', number('sweep', 'seen_dte_rms_um'), rms, relative=alike)
+      call check_close(t, 'periods', number('sweep', 'seen_periods'), &
+                       max(500.0_dp, 50 + 40/log(number('sweep', 'floquet_modulus'))) - begin, absolute=12.0_dp)
+      call check_true(t, 'none as built', ieee_is_nan(number('as_built', 'dynamic_factor')))
+      call check_true(t, 'load as built', number('as_built', 'seen_dynamic_factor') > (1 - close)*factor)
+      call check_true(t, 'range as built', number('as_built', 'seen_dte_peak_to_peak_um') > (1 - close)*range)
+      call check_true(t, 'whole turns', modulo(nint(number('as_built', 'seen_periods')), 25) == 0 .and. &
+                      number('as_built', 'seen_periods') > 5000)
+    end do
+
+  contains
+
+    real(dp) function number(table, column)
+      character(*), intent(in) :: table, column
+
+      number = sum(column_of(study, table, column))
+    end function number
+
+    subroutine check_at_most(name, seen, largest)
+      character(*), intent(in) :: name
+      real(dp), intent(in) :: seen, largest
+
+      call check_true(t, name//' seen at most', seen <= (1 + rounding)*largest .and. seen > (1 - close)*largest, &
+                      str(seen)//' of '//str(largest))
+    end subroutine check_at_most
+  end subroutine seen_of_chaos
+
+  !> The motion of constant pair stiffness from rest, over 5000 mesh periods less the first: its largest load on a pair over the
+  !> static load, root mean square and range of x (um), and after how many periods twice the damping has summed up to `faded`.
+  pure subroutine march_on(zeta, rpm, faded, factor, rms, range, begin)
+    real(dp), intent(in) :: zeta, rpm, faded
+    real(dp), intent(out) :: factor, rms, range
+    integer, intent(out) :: begin
+    real(dp), parameter :: k = 400e6_dp, mass = 0.8_dp, load = 7000, ratio = 1.6_dp
+    integer, parameter :: periods = 5000, steps = 500
+    real(dp) :: h, state(2), slope(2, 4), stage(2), decay, lowest, highest, mean
+    integer :: i, j, n, pairs
+
+    h = mesh_period(25, rpm)/steps
+    state = [load/(ratio*k), 0.0_dp]
+    decay = 0
+    begin = 0
+    factor = 0
+    mean = 0
+    rms = 0
+    lowest = huge(lowest)
+    highest = -huge(highest)
+    do i = 1, periods
+      do j = 1, steps
+        pairs = merge(2, 1, j - 0.5_dp < (ratio - 1)*steps)
+        do n = 1, 4
+          stage = state
+          if (n > 1) stage = state + h*slope(:, n - 1)*merge(1.0_dp, 0.5_dp, n == 4)
+          slope(:, n) = [stage(2), (load - merge(pairs*k*stage(1) + 2*zeta*sqrt(pairs*k*mass)*stage(2), 0.0_dp, stage(1) > 0))/mass]
+        end do
+        state = state + h/6*(slope(:, 1) + 2*(slope(:, 2) + slope(:, 3)) + slope(:, 4))
+        if (state(1) > 0) decay = decay + 2*zeta*sqrt(pairs*k/mass)*h
+        if (.not. decay > faded) cycle
+        factor = max(factor, k*state(1)/load)
+        lowest = min(lowest, 1e6_dp*state(1))
+        highest = max(highest, 1e6_dp*state(1))
+        mean = mean + 1e6_dp*state(1)
+        rms = rms + (1e6_dp*state(1))**2
+      end do
+      if (.not. decay > faded) begin = i + 1
+    end do
+    mean = mean/(steps*(periods - begin))
+    rms = sqrt(rms/(steps*(periods - begin)) - mean**2)
+    range = highest - lowest
+  end subroutine march_on
 
   !> What a branch has at a speed is what that speed has from the branch's state.
   subroutine one_speed_alone(t)

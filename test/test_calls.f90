@@ -2,17 +2,17 @@
 !> Fortran 77, C and Python get just this is told by test/test_callers.sh.
 module test_calls
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_api, only: begin_call, describe, edit, end_call, error_t, give, int64, numbers_of, release, run_case => run, &
-                           run_with_rows, size_of, text_of, word_of, write_files
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_edit, only: change_key
-  use gearsweep_error, only: code_file, code_input, code_ok, code_partial, code_stopped
-  use gearsweep_kinds, only: dp
-  use gearsweep_study, only: run_study, study_t
-  use gearsweep_table, only: column_t, kind_text, table_t
-  use gearsweep_text, only: str
-  use gearsweep_tables, only: make_table, table_names
+  use gearsweep_api_api, only: begin_call, describe, edit, end_call, error_t, give, int64, numbers_of, release, run_case => run, &
+            run_with_rows, size_of, text_of, word_of, write_files
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_study_reader_edit, only: change_key
+  use gearsweep_base_error, only: code_file, code_input, code_ok, code_partial, code_stopped
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_base_table, only: column_t, kind_text, table_t
+  use gearsweep_base_text, only: str
+  use gearsweep_api_tables, only: make_table, table_names
   use testing, only: check_equal, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
   implicit none
   private
@@ -21,7 +21,7 @@ module test_calls
   character(*), parameter :: pair = '&pair module_mm = 3 face_width_mm = 20 / '// &
     '&pinion teeth = 21 effective_mass_kg = 0.5 / &gear teeth = 34 effective_mass_kg = 0.9 / '// &
     '&load normal_force_n = 4000 / &relief amount_um = 0, 10 / &section elements_across = 4 / '
-  character(*), parameter :: text = '&case tasks = ''mesh'', ''load'', ''sweep'', ''static'', ''modal'', ''section'' / '// &
+  character(*), parameter :: text = '&case tasks = ''mesh'', ''load'', ''sweep'', ''static'', ''modal'' / '// &
     pair//'&mesh model = ''fe'' / &static positions = 5 / &modal modes = 3 / '// &
     '&sweep rpm_first = 3000 rpm_last = 6000 rpm_step = 1000 load_rpm = 4000 /    '
   character(*), parameter :: small = '&case tasks = ''mesh'' / '//pair
@@ -177,13 +177,12 @@ contains
     call refused(t, 'a group that is none', error, '&colour: unknown group')
     call run_case(small, '', -1, 0_int64, watch, '', '', study, error)
     call refused(t, 'threads', error, 'threads = -1')
-    call run_case(small, '', 1, 0_int64, watch, 'no/such.checkpoint', '', study, error)
-    call check_true(t, 'no checkpoint', error%code == code_file .and. study == -7)
-    deallocate (error)
-    call run_case(small, '', 1, 0_int64, watch, '', 'no/such/folder.checkpoint', study, error)
-    call check_true(t, 'no place for a checkpoint', error%code == code_file .and. study == -7)
-    call check_true(t, 'no place for a checkpoint: why', index(error%message, 'cannot write to the folder no/such/') == 1)
-    deallocate (error)
+    call run_case(small, '', 1, 0_int64, watch, 'a.checkpoint', 'another', study, error)
+    call check_true(t, 'resuming makes no study', study == -7 .and. watch(3) == 0)
+    call refused(t, 'resuming', error, 'resume = a.checkpoint: a single run is no longer resumed from a file: a run that is '// &
+                 'stopped keeps its finished tables, and a long study goes on from the store of `gearsweep many`')
+    call run_case(small, '', 1, 0_int64, watch, '', 'another', study, error)
+    call refused(t, 'keeping the state of a run', error, 'keep = another: a single run is no longer resumed from a file')
     study = 0
     call size_of(study, 'mesh', 's', rows, kind, width, error)
     call refused(t, 'no study', error, 'study: is 0')
@@ -324,7 +323,7 @@ contains
     call change('change', text, '', '', '&pair module_mm = 3.5 backlash = 5 /')
     call refused(t, 'one of several is misspelt', error, '&pair backlash: unknown key')
     call change('complete', text, '', '', '')
-    call check_true(t, 'defaults', index(changed, 'damping_ratio = 0.17') > 0)
+    call check_true(t, 'defaults', index(changed, 'damping_ratio = 0.1') > 0)
     call change('unused', '&case tasks = ''geometry'' / '//text(index(text, '/') + 1:), '', '', '')
     call check_true(t, 'what other tasks would use', index(changed, ': &sweep rpm_first, rpm_last, rpm_step'//new_line('a')) > 0)
     call change('unused', text, '', '', '')
@@ -359,8 +358,11 @@ contains
     call write_files(study, folder, 'case', files, error)
     inquire (file=folder//'/case.mesh.csv', exist=there)
     call check_true(t, 'files', there .and. index(files, folder//'/case.mesh.csv'//new_line('a')) > 0)
-    call write_files(study, folder//'/no/folder', 'case', files, error)
-    call check_equal(t, 'no folder', error%code, code_file)
+    call write_files(study, folder//'/new/folder', 'case', files, error)
+    inquire (file=folder//'/new/folder/case.mesh.csv', exist=there)
+    call check_true(t, 'folders that are missing are made', there .and. .not. allocated(error))
+    call write_files(study, folder//'/case.mesh.csv/folder', 'case', files, error)
+    call check_equal(t, 'a file in place of a folder', error%code, code_file)
     deallocate (error)
     call write_files(study, '', 'case', files, error)
     call refused(t, 'a folder without a name', error, 'folder')

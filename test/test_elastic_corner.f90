@@ -1,21 +1,20 @@
 !> The tip corner in contact: an edge on a half plane against closed forms, and the pair's stiffness beyond the path.
 module test_elastic_corner
   use dogan_gears, only: dogan_pair
-  use gearsweep_corner, only: add_corner_stiffness, corner_contact, corner_t
-  use gearsweep_disc, only: disc_t
-  use gearsweep_edge_contact, only: edge_compliance, edge_deflection, edge_t, make_edge
-  use gearsweep_error, only: error_t
-  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_flattening, only: surface_to_depth
-  use gearsweep_gear, only: drive
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_own_flattening, only: flattening_t
-  use gearsweep_pair, only: pair_t
-  use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_text, only: str
-  use gearsweep_tooth_compliance, only: tooth_compliance, tooth_t
-  use quantities, only: answer_t, ask
+  use gearsweep_gear_tip_corner, only: add_corner_stiffness, corner_contact, corner_t
+  use gearsweep_elastic_disc, only: disc_t
+  use gearsweep_elastic_corner_stiffness, only: edge_compliance, edge_deflection, edge_t, make_edge
+  use gearsweep_base_error, only: error_t
+  use gearsweep_elastic_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_elastic_flattening, only: flattening_t, surface_to_depth
+  use gearsweep_gear_gear, only: drive
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_gear_pair, only: pair_t
+  use gearsweep_base_piecewise, only: piecewise_t
+  use gearsweep_base_text, only: str
+  use gearsweep_elastic_compliance, only: tooth_compliance, tooth_t
+  use ask_by_name, only: answer_t, ask
   use testing, only: check_close, check_no_error, check_true, tally_t
   implicit none
   private
@@ -279,7 +278,7 @@ contains
   !> corner was as stiff as A: transmission error, where contact begins, and the same with neighbours and Hertz by own load.
   subroutine whole_case(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: text = '&case tasks=''mesh'' / &pair module_mm=3.18 face_width_mm=25.4 / '// &
+    character(*), parameter :: text = '&case tasks=''mesh'' / &pair module_mm=3.18 face_width_mm=25.4 / &section teeth=3 / '// &
       '&pinion teeth=25 / &gear teeth=25 / &load line_load_n_mm=276 / &relief amount_um=0, 10 / &mesh model=''fe'''
     character(*), parameter :: alone = ' tooth_coupling=.false. nonlinear_contact=.false.'
     type(answer_t) :: answer
@@ -372,7 +371,7 @@ contains
     end do
     do k = 1, size(ratios)
       call ask(t, '&case tasks=''sweep'' / &pair module_mm=3.18 face_width_mm=25.4 / &pinion teeth=25 / &gear teeth=25 / '// &
-        '&load line_load_n_mm=276 / &relief amount_um=0 / &mesh corner_contact=.false. / &dynamics damping_ratio='//ratios(k)// &
+        '&load line_load_n_mm=276 / &section teeth=3 / &mesh corner_contact=.false. / &dynamics damping_ratio='//ratios(k)// &
         ' / &sweep rpm_first=1 rpm_last=1 rpm_step=1 /', answer)
       associate (blow => answer%one('sweep_worst.worst_dynamic_factor'))
         call check_true(t, 'a blow at A', blow > 1.2_dp .and. blow < 1.4_dp, str(blow))

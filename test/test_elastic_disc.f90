@@ -2,27 +2,26 @@
 !> two teeth loaded at once, on whole gears and on sections, and that no share of the load changes it.
 module test_elastic_disc
   use dogan_gears, only: dogan_gear
-  use gearsweep_body, only: body_t, make_body
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_compliance, only: deflection_at_depth, flank_load
-  use gearsweep_disc, only: disc_t
-  use gearsweep_disc_compliance, only: disc_compliance, turning
-  use gearsweep_error, only: error_t
-  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
-  use gearsweep_grid, only: grid_t, make_grid
-  use gearsweep_harmonics, only: harmonics_t, find_harmonics
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_mesh, only: mesh_t
-  use gearsweep_pair, only: pair_t, make_pair
-  use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_relief, only: relief_t, profile_error
-  use gearsweep_section, only: section_options_t, section_t, make_section
-  use gearsweep_study, only: run_study, study_t
-  use gearsweep_tables, only: column_of
-  use gearsweep_text, only: str
+  use gearsweep_elastic_body, only: body_t, make_body
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_elastic_compliance, only: deflection_at_depth, disc_compliance, flank_load, turning
+  use gearsweep_elastic_disc, only: disc_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_elastic_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_gear_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_elastic_grid, only: grid_t, make_grid
+  use gearsweep_mesh_harmonics, only: find_harmonics, harmonics_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_mesh_mesh, only: mesh_t
+  use gearsweep_gear_pair, only: make_pair, pair_t
+  use gearsweep_base_piecewise, only: piecewise_t
+  use gearsweep_gear_relief, only: profile_error, relief_t
+  use gearsweep_elastic_section, only: make_section, section_options_t, section_t
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_api_tables, only: column_of
+  use gearsweep_base_text, only: str
   use testing, only: tally_t, check_true, check_close, check_no_error
   implicit none
   private

@@ -1,19 +1,16 @@
 !> Natural frequencies against exact, benchmark and published ones.
 module test_elastic_modes
-  use gearsweep_body, only: body_t, make_body
-  use gearsweep_error, only: error_t
-  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
-  use gearsweep_grid, only: grid_t, rectangle_grid
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_mass_matrix, only: assemble_mass, mass_matrix_t
-  use gearsweep_material, only: material_t
-  use gearsweep_modal, only: estimated_errors, modal_t, section_modes
-  use gearsweep_modes, only: modes_t, find_modes
-  use gearsweep_q8, only: element_mass
-  use gearsweep_section, only: section_options_t, section_t, make_section
-  use gearsweep_section_body, only: section_body_t, make_two_grids
-  use gearsweep_text, only: str
-  use gearsweep_tooth_block, only: fillet_excess
+  use gearsweep_elastic_body, only: body_t, make_body
+  use gearsweep_base_error, only: error_t
+  use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
+  use gearsweep_elastic_grid, only: grid_t, rectangle_grid
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_modes, only: assemble_mass, estimated_errors, find_modes, mass_matrix_t, modal_t, modes_t, section_modes
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_elastic_q8, only: element_mass
+  use gearsweep_elastic_section, only: make_section, make_two_grids, section_body_t, section_options_t, section_t
+  use gearsweep_base_text, only: str
+  use gearsweep_elastic_tooth_block, only: fillet_excess
   use hassan_gears, only: hassan_gear, hassan_options
   use random_bodies, only: random_body_t, random_body
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error

@@ -2,17 +2,18 @@
 !> that must not matter, supports, equal and unequal gears.
 module test_elastic_stiffness
   use dogan_gears, only: dogan_pair
-  use gearsweep_disc, only: disc_t
-  use gearsweep_error, only: error_t
-  use gearsweep_fe_stiffness, only: fe_deflection, fe_options_t, fe_stiffness
-  use gearsweep_flattening, only: contact_half_width, surface_to_depth
-  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_pair, only: pair_t, make_pair
-  use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_text, only: str
-  use gearsweep_tooth_compliance, only: tooth_compliance, tooth_t
+  use gearsweep_elastic_disc, only: disc_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_elastic_fe_stiffness, only: fe_deflection, fe_options_t, fe_stiffness
+  use gearsweep_elastic_flattening, only: contact_half_width, surface_to_depth
+  use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_gear_pair, only: make_pair, pair_t
+  use gearsweep_base_piecewise, only: piecewise_t
+  use gearsweep_base_text, only: str
+  use gearsweep_elastic_compliance, only: tooth_compliance, tooth_t
+  use ask_by_name, only: answer_t, ask
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
@@ -33,8 +34,64 @@ contains
     if (t%wants('exchange')) call exchange(t)
     if (t%wants('two_materials')) call two_materials(t)
     if (t%wants('each_tooth')) call each_tooth(t)
+    if (t%wants('grid_estimates')) call grid_estimates(t)
     if (t%wants('refusals')) call refusals(t)
   end subroutine run
+
+  !> Reported errors of the grid against grids three to six times as fine, of usual gears, of few teeth with much profile shift, of
+  !> many, of equal ones and of whole ones: above the error, and not without measure.
+  subroutine grid_estimates(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: gears(5) = [character(200) :: &
+      '&pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 17, profile_shift = 0.2 / &gear teeth = 43 / &section teeth = 3', &
+      '&pair module_mm = 4.5, face_width_mm = 14 / &pinion teeth = 16, profile_shift = 0.8 / &gear teeth = 24, '// &
+      'profile_shift = -0.5 / &section teeth = 3', &
+      '&pair module_mm = 2, face_width_mm = 30, pressure_angle_deg = 25 / &pinion teeth = 60 / &gear teeth = 80 / '// &
+      '&section teeth = 5', &
+      '&pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 25 / &gear teeth = 25 / &section teeth = 3, rim_mm = 4', &
+      '&pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 20 / &gear teeth = 30 / &section teeth = 0']
+    integer, parameter :: across(3) = [48, 16, 8]
+    type(answer_t) :: answer, finest
+    real(dp), allocatable :: off(:), told(:)
+    integer :: i, k
+
+    do i = 1, size(gears)
+      do k = 1, size(across)
+        call ask(t, '&case tasks = ''mesh'' / &load torque_nm = 200 / &relief amount_um = 0, 12 / '// &
+                 '&mesh model = ''fe'', corner_contact = .false. / '//trim(gears(i))//', elements_across = '// &
+                 str(across(k))//' / ', answer)
+        if (k == 1) then
+          finest = answer
+          cycle
+        end if
+        associate (rows => count(.not. answer%all_of('mesh.relief_um') > 0), where => trim(gears(i))//', '//str(across(k)))
+          off = abs(answer%all_of('mesh.pair_stiffness_n_um') - finest%all_of('mesh.pair_stiffness_n_um'))
+          told = answer%all_of('mesh.pair_stiffness_estimate_n_um')
+          call check_true(t, 'pair stiffness: '//where, all(off(:rows) <= told(:rows)), str(maxval(off(:rows)/told(:rows))))
+          call check_true(t, 'not far above: '//where, maxval(told(:rows)) < 8*maxval(off(:rows)), &
+                          str(maxval(told(:rows))/maxval(off(:rows))))
+          call check_below('mean_um', 'mean_grid_estimate_um', where)
+          call check_below('peak_to_peak_um', 'grid_estimate_um', where)
+          call check_below('rms_um', 'grid_estimate_um', where)
+        end associate
+      end do
+    end do
+
+  contains
+
+    subroutine check_below(column, estimate, where)
+      character(*), intent(in) :: column, estimate, where
+
+      off = abs(answer%all_of('transmission_error.'//column) - finest%all_of('transmission_error.'//column))
+      told = answer%all_of('transmission_error.'//estimate)
+      call check_true(t, column//': '//where, all(off <= told), str(off(1))//' told '//str(told(1)))
+      ! A part of the stiffness changes the transmission error by at most that part, from its peak to its trough by twice that.
+      associate (part => maxval(answer%all_of('mesh.pair_stiffness_estimate_n_um')/answer%all_of('mesh.pair_stiffness_n_um')))
+        call check_true(t, column//' not far above: '//where, maxval(told) <= 2.5_dp*part*maxval(answer%all_of( &
+                        'transmission_error.mean_um')), str(maxval(told)))
+      end associate
+    end subroutine check_below
+  end subroutine grid_estimates
 
   !> Largest relative difference of two curves over the path.
   real(dp) function apart(a, b, last) result(most)
@@ -162,6 +219,8 @@ contains
 
     pair = dogan_pair([25, 25])
     options%section%elements_across = 8
+    ! All end at the same circle, the whole gear too.
+    options%section%rim = 2.5_dp*(pair%gear(1)%tip_radius - pair%gear(1)%root_radius)
     last = huge(last)
     do i = 1, size(teeth)
       options%section%teeth = teeth(i)

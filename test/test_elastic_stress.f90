@@ -1,18 +1,17 @@
 !> Root stress: convergence, its error estimate, load shares, components, and
 !> ISO 6336's form factors beside it. Beam formulas, outline, pictures.
 module test_elastic_stress
-  use gearsweep_beam, only: beam_t, hassan_shape
-  use gearsweep_contour, only: gear_outline
-  use gearsweep_error, only: error_t
-  use gearsweep_form, only: iso_form, iso_form_t, lewis_factor, outer_single_contact
-  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive, coast
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_section, only: section_t, section_options_t, make_section
-  use gearsweep_section_body, only: section_body_t, make_two_grids
-  use gearsweep_stress, only: root_stress_t, root_stress
-  use gearsweep_text, only: str
-  use gearsweep_vtu, only: vtu_field_t, vtu_text
+  use gearsweep_rating_beam, only: beam_t, hassan_shape
+  use gearsweep_gear_profile, only: gear_outline
+  use gearsweep_base_error, only: error_t
+  use gearsweep_rating_form, only: iso_form, iso_form_t, lewis_factor, outer_single_contact
+  use gearsweep_gear_gear, only: coast, drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_elastic_section, only: make_section, make_two_grids, section_body_t, section_options_t, section_t
+  use gearsweep_elastic_stress, only: root_stress, root_stress_t
+  use gearsweep_base_text, only: str
+  use gearsweep_elastic_vtu, only: vtu_field_t, vtu_text
   use hassan_gears, only: hassan_gear, hassan_options, hassan_pair
   use random_bodies, only: random_body, random_body_t
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error

@@ -1,20 +1,20 @@
 !> The energy of steady motions over the time after which they repeat: what the loads of the pairs do, with friction, damping
 !> takes.
 module test_energy
-  use gearsweep_coefficients, only: resolution_t
-  use gearsweep_contact_set, only: in_contact, period_t
-  use gearsweep_error_estimate, only: accuracy_t, point_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: mesh_period, mobility, oscillator_t
-  use gearsweep_period, only: run_period
-  use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: shoot, steady_t
-  use gearsweep_quadrature, only: gauss_legendre
-  use gearsweep_quintic, only: quintic, value_of
-  use gearsweep_status, only: has_result
-  use gearsweep_text, only: str
-  use gearsweep_trace, only: trace_t
-  use single_points, only: mesh_of, solve
+  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_contact_set, only: in_contact, period_t
+  use gearsweep_motion_error_estimate, only: accuracy_t, point_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_motion_oscillator, only: mesh_period, mobility, oscillator_t
+  use gearsweep_motion_period, only: run_period
+  use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
+  use gearsweep_motion_periodic_orbit, only: shoot, steady_t
+  use gearsweep_base_quadrature, only: gauss_legendre
+  use gearsweep_base_quintic, only: quintic, value_of
+  use gearsweep_motion_steady_motion, only: has_result
+  use gearsweep_base_text, only: str
+  use gearsweep_motion_trace, only: trace_t
+  use solve_one_point, only: mesh_of, solve
   use testing, only: check_close, check_true, tally_t
   implicit none
   private

@@ -3,9 +3,9 @@
 !> test/extreme/cases.txt says where each expected value comes from. Random ones
 !> besides: of these only the end is known.
 module test_extremes
-  use gearsweep_kinds, only: dp
+  use gearsweep_base_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_text, only: str
+  use gearsweep_base_text, only: str
   use extreme_cases, only: row_t, read_cases, is_case, outcome_t, outcome_of, same_bits, expected_value
   use random_extremes, only: random_row
   use testing, only: tally_t, check_true, check_close, check_equal

@@ -89,7 +89,7 @@ check 'files of 400 blocks are enough: the new tables' alike out one.kept
 
 # A true disk, where this machine lets us have one; each run leaves it a little less room.
 cat >disk.sh <<'END_OF_DISK'
-mount -t tmpfs -o size=416k gearsweep disk || exit 77
+mount -t tmpfs -o size=464k gearsweep disk || exit 77
 mkdir disk/out
 for kept in 0 16 40 64 88 112 140 180 220; do
   rm -rf disk/out/* disk/ballast
@@ -266,7 +266,7 @@ exec 8<&-
 wait $waiter
 check 'a locked folder: done when it is free' alike out one.kept
 
-# --- checkpoints ------------------------------------------------------------
+# --- signals ------------------------------------------------------------
 
 # waiting CASE OPTIONS...: the program at work on a case that takes minutes; leaves $pid.
 waiting() {
@@ -288,7 +288,7 @@ ends_by() {
   [ $code != 137 ]
 }
 # A motion of 10 million mesh periods, and a map of 100 000 damping ratios.
-pair long.nml "'poincare'" 12
+pair long.nml "'poincare', 'mesh'" 12
 echo '&poincare rpm = 5000 settling_periods = 9999999 /' >>long.nml
 pair map.nml "'stability'" 12
 echo '&stability rpm = 7 damping_count = 99999 /' >>map.nml
@@ -297,58 +297,12 @@ for case in long map; do
     waiting $case.nml --out ended
     check "$case: ends by $signal" ends_by $signal
     check "$case: ends by $signal: code" exits 130
+    check "$case: ends by $signal: says so" is_one_error 'gearsweep: interrupted; the tables have what was computed by then' 130
   done
 done
-check 'long: leaves its checkpoint' grep -q 'gearsweep checkpoint' ended/long.checkpoint
-waiting long.nml --out ended --resume
-ends_by TERM
-check 'resumed: says what is taken over' says stderr 'gearsweep: resumed: '
-# Of its own name only, and no case loses that of another.
-cp ended/long.checkpoint kept.checkpoint
-mkdir -p elsewhere
-pair elsewhere/long.nml "'mesh'" 3
-run elsewhere/long.nml --out ended
-check 'another case of the same name: done' exits 0
-check "another case of the same name: the first one's checkpoint stays" cmp -s ended/long.checkpoint kept.checkpoint
-sed 's/5000/6000/' long.nml >elsewhere/long.nml
-waiting elsewhere/long.nml --out ended
-ends_by TERM
-check 'another case that is interrupted: the checkpoint of the first is kept' cmp -s ended/long.checkpoint.old kept.checkpoint
-# What is no checkpoint is neither read nor removed, however long it is.
-for kind in pipe link long; do
-  rm -rf out
-  mkdir out
-  case $kind in
-  pipe) mkfifo out/q.checkpoint ;;
-  link) ln -s "$PWD/kept.checkpoint" out/q.checkpoint ;;
-  long) truncate -s 5G out/q.checkpoint ;;
-  esac
-  timeout 60 "$program" one/q.nml --out out >stdout 2>stderr </dev/null
-  code=$?
-  check "a $kind called as a checkpoint: done" exits 0
-  check "a $kind called as a checkpoint: stays" test -e out/q.checkpoint
-done
-run one/q.nml --out out --resume
-check '5 GB without a first line: no checkpoint' is_one_error 'q.checkpoint: is no checkpoint of gearsweep' 3
-# One that is longer than any text may be is refused for what is wrong with it.
-head -c 128 kept.checkpoint >ended/long.checkpoint
-truncate -s 1100M ended/long.checkpoint
-run long.nml --out ended --resume
-check 'a checkpoint of 1.1 GB: read to its end' is_one_error 'long.checkpoint: is damaged' 3
-rm -rf ended
-# Its place is tried before anything is computed.
-mkdir -p ended/long.checkpoint
-run long.nml --out ended
-check 'a folder called as a checkpoint: told before the run' is_one_error 'cannot write ended/long.checkpoint: it is a folder' 3
-rm -rf ended
-# What is kept of a sweep takes no more room than twice its tables.
-pair many.nml "'sweep'" 12
-sed -i 's/rpm_step = 100/rpm_step = 0.5/' many.nml
-echo '&dynamics damping_ratio = 0.01 /' >>many.nml
-waiting many.nml --out ended
-ends_by TERM
-check 'a checkpoint is at most twice as long as the tables' \
-  test "$(wc -c <ended/many.checkpoint)" -le "$(($(cat ended/*.csv | wc -c) * 2))"
+check 'long: leaves the table of the finished task' test -s ended/long.mesh.csv
+check 'tables are all that is left' test "$(find ended -type f ! -name '*.csv' | wc -l)" = 0
+check 'long: no table of the task that was not finished' test -z "$(find ended -name 'long.poincare*')"
 rm -rf ended
 # Whoever waits for a case on the standard input ends by the first signal.
 mkfifo never
@@ -404,13 +358,18 @@ timeout 30 "$program" published.nml --out out >stdout 2>stderr </dev/null
 code=$?
 check '50 000 published values' exits 0
 check '50 000 published values: all are told' test "$(grep -c '^contact_ratio,' out/published.published.csv)" = 50000
+awk 'BEGIN { for (i = 0; i <= 100000; i++) printf "%.9f;%.9f\n", 1.6*i/100000, 400 - (i/50000 - 1)^2 }' >input
+sed "s/tasks = .*/tasks = 'mesh' \//" table.nml >long.nml
+timeout 30 "$program" long.nml --out out >stdout 2>stderr </dev/null
+code=$?
+check '100 001 rows of stiffness' exits 0
 awk 'BEGIN { for (i = 0; i < 500000; i++) print i ", 400"; print "end" }' >input
 refused_as '500 000 rows of stiffness' table.nml 'input line 500001: must be two numbers' 1
 
 # --- texts ------------------------------------------------------------
 
 # Control characters, which a terminal would obey, are refused by line and code.
-for control in '\033[31m 27' '\007 7' 'a\rb 13' '\000 0' '\177 127' '\233 155' '\302\233 155' '\302\200 128'; do
+for control in '\033[31m 27' '\007 7' '\000 0' '\032. 26' '\177 127' '\233 155' '\302\233 155' '\302\200 128'; do
   bytes=${control% *}
   code_of=${control##* }
   printf "quantity,place,printed,unit,status,reason\n# x\ncontact_ratio,p$bytes.,1.6,-,stated,\n" >input
@@ -431,8 +390,19 @@ check 'a title in UTF-8: as it was' says stdout 'Größe ě – €'
 printf "&case title = 'Gr\366\337e' tasks = 'mesh', 'sweep' /\n" | cat - q.nml | sed 2d >titled.nml
 run titled.nml --out titled
 check 'a title in Latin-1' exits 0
+check 'a title in Latin-1: read as such' says stdout 'Größe'
+check 'a title in Latin-1: all files are in UTF-8' iconv -f UTF-8 -t UTF-16 -o /dev/null titled/titled.*.csv
+# A case as old Macs, DOS and Fortran 77 have it: the same tables.
+run q.nml --out old --name q
+tr '\n' '\r' <q.nml | sed 's/&/$/g' | { cat; printf '\032'; } >mac.nml
+run mac.nml --out old --name mac
+check 'a case with CR, $ and an end mark' exits 0
+check 'a case with CR, $ and an end mark: the same' sh -c 'grep -v "^#" old/q.sweep.csv >a && grep -v "^#" old/mac.sweep.csv >b && cmp a b'
+iconv -f UTF-8 -t UTF-16 q.nml >wide.nml
+run wide.nml --out none
+check 'a case in UTF-16' is_one_error 'line 1: the text is in UTF-16; save it in UTF-8' 1
 run "$(printf 'no\033[31m\nfile')" --out none
-check 'a name with control characters in a message' is_one_error 'cannot read no?[31m?file: No such file or directory' 3
+check 'a name with control characters in a message' is_one_error 'cannot read no<U+001B>[31m<U+000A>file: No such file or directory' 3
 cp q.nml "$(printf 'q\n.nml')"
 run "$(printf 'q\n.nml')" --out none
 check 'a name with control characters for tables' is_one_error 'must not have control characters' 1
@@ -454,7 +424,7 @@ CSV
 cat >wanted <<'CSV'
 contact_ratio,"'=1+1",-,stated,
 contact_ratio,"'@SUM(A1)","'+x",stated,"'-2+3"
-contact_ratio,"""Table"" 1",-,stated,"' =HYPERLINK(""x"",""y"")"
+contact_ratio,"""Table"" 1",-,stated,"'=HYPERLINK(""x"",""y"")"
 contact_ratio,Table 1,-,stated,"as ""mode"" 1, or 2"
 contact_ratio,Table 1,-,stated,as mode 1
 contact_ratio,"Table 2, ""left""",-,stated,"as ""mode"" 2, too"

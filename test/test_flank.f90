@@ -2,27 +2,27 @@
 !> temperature, loss factors; and the task `flank`.
 module test_flank
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_error, only: error_t
-  use gearsweep_error_estimate, only: accuracy_t
-  use gearsweep_flank, only: contact_t, flank_contact, flash_factor, rolling_arm, sliding_ratio, surfaces_t
-  use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
-  use gearsweep_interval, only: interval_t
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_mesh, only: mesh_t
-  use gearsweep_mesh_losses, only: even_load_factor, followed_loss_factor, friction_rule_t, half_shares_factor, mean_friction, &
-    static_loss_factor
-  use gearsweep_oscillator, only: make_oscillator, mesh_period, mobility, oscillator_t
-  use gearsweep_pair, only: free_centre_distance, make_pair, pair_t
-  use gearsweep_piecewise, only: constant, polynomial
-  use gearsweep_response, only: find_response, response_t
-  use gearsweep_sharing, only: pairs_at
-  use gearsweep_status, only: status_ok
-  use gearsweep_study, only: run_study, study_t
-  use gearsweep_tables, only: column_of
-  use gearsweep_text, only: str
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_error_estimate, only: accuracy_t
+  use gearsweep_rating_flank, only: contact_t, flank_contact, flash_factor, rolling_arm, sliding_ratio, surfaces_t
+  use gearsweep_gear_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_mesh_deviations, only: interval_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_mesh_mesh, only: mesh_t
+  use gearsweep_rating_mesh_losses, only: even_load_factor, followed_loss_factor, friction_rule_t, half_shares_factor, &
+            mean_friction, static_loss_factor
+  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, mobility, oscillator_t
+  use gearsweep_gear_pair, only: free_centre_distance, make_pair, pair_t
+  use gearsweep_base_piecewise, only: constant, polynomial
+  use gearsweep_motion_response, only: find_response, response_t
+  use gearsweep_mesh_sharing, only: pairs_at
+  use gearsweep_motion_steady_motion, only: status_ok
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_api_tables, only: column_of
+  use gearsweep_base_text, only: str
   use testing, only: check_close, check_error, check_no_error, check_true, tally_t
   implicit none
   private
@@ -321,6 +321,10 @@ contains
       call check_close(t, 'half shares', static_loss_factor(pair, even_mesh(pair), load), half_shares_factor(pair), 1e-13_dp)
       s = [0.0_dp, points(3), pair%contact_ratio]
       call check_close(t, 'even load', followed_loss_factor(pair, [1, 1, 1], s, spread(load/pair%contact_ratio, 1, 3), load), &
+                       even_load_factor(pair), 1e-13_dp)
+      ! A motion that repeats after two mesh periods and whose pairs carry alike.
+      call check_close(t, 'even load, two mesh periods', followed_loss_factor(pair, [1, 1, 1, 2, 2, 2], [s, s], &
+                                                          spread(load/pair%contact_ratio, 1, 6), load), &
                        even_load_factor(pair), 1e-13_dp)
       do k = 1, 3
         n = 50*2**k

@@ -1,22 +1,22 @@
 !> A tooth under a load of steady frequency: closed forms of one mode, the load at rest, reciprocity, resonances against a dense
 !> scan, and the motion over time that the same modes have.
 module test_frequency_response
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_error, only: error_t
-  use gearsweep_frequency_response, only: find_peak, frequencies_around, response_to
-  use gearsweep_compliance, only: flank_load
-  use gearsweep_gear, only: coast
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_modal_superposition, only: load_history_t, modal_model_t, motion_record_t, superpose
-  use gearsweep_modes, only: find_modes, modes_t
-  use gearsweep_section_body, only: make_section_body, make_two_grids, section_body_t
-  use gearsweep_stress, only: root_stress, root_stress_t
-  use gearsweep_study, only: run_study, study_t
-  use gearsweep_table, only: table_t
-  use gearsweep_tables, only: column_of, make_table
-  use gearsweep_text, only: str
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_base_error, only: error_t
+  use gearsweep_elastic_modal_response, only: find_peak, frequencies_around, load_history_t, modal_model_t, motion_record_t, &
+            response_to, superpose
+  use gearsweep_elastic_compliance, only: flank_load
+  use gearsweep_gear_gear, only: coast
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_elastic_modes, only: find_modes, modes_t
+  use gearsweep_elastic_section, only: make_section_body, make_two_grids, section_body_t
+  use gearsweep_elastic_stress, only: root_stress, root_stress_t
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_base_table, only: table_t
+  use gearsweep_api_tables, only: column_of, make_table
+  use gearsweep_base_text, only: str
   use hassan_gears, only: hassan_gear, hassan_options
   use stated_gears, only: contact_ratio, stated_t
   use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t

@@ -1,12 +1,12 @@
 !> Gear and pair geometry against published examples and closed forms.
 module test_geometry
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_error, only: error_t
-  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, involute, drive, coast
-  use gearsweep_outline, only: involute_point, fillet_point, fillet_parameter, root_angle
-  use gearsweep_pair, only: pair_t, make_pair, free_centre_distance, tip_alteration
-  use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_relief, only: relief_t, profile_error, parabolic
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_base_error, only: error_t
+  use gearsweep_gear_gear, only: coast, drive, gear_spec_t, gear_t, involute, make_gear
+  use gearsweep_gear_profile, only: fillet_parameter, fillet_point, involute_point, root_angle
+  use gearsweep_gear_pair, only: free_centre_distance, make_pair, pair_t, tip_alteration
+  use gearsweep_base_piecewise, only: piecewise_t
+  use gearsweep_gear_relief, only: parabolic, profile_error, relief_t
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
@@ -372,9 +372,9 @@ contains
   contains
 
     !> Radii (mm) at which the involute of one gear begins and at which the other's tip touches it.
-    subroutine begins(name, member, form, contact, distance)
+    subroutine begins(name, gear, form, contact, distance)
       character(*), intent(in) :: name
-      integer, intent(in) :: member
+      integer, intent(in) :: gear
       real(dp), intent(in) :: form, contact
       real(dp), intent(in), optional :: distance
       real(dp) :: digit
@@ -387,9 +387,9 @@ contains
         call build(spec, pair, error)
       end if
       call check_no_error(t, name, error)
-      call check_true(t, name//': undercut', pair%gear(member)%is_undercut(drive))
-      call check_close(t, name//': form radius', pair%gear(member)%form_radius(drive)/mm, form, absolute=digit)
-      call check_close(t, name//': contact from', pair%radius(member, merge(0.0_dp, pair%contact_ratio, member == 1))/mm, &
+      call check_true(t, name//': undercut', pair%gear(gear)%is_undercut(drive))
+      call check_close(t, name//': form radius', pair%gear(gear)%form_radius(drive)/mm, form, absolute=digit)
+      call check_close(t, name//': contact from', pair%radius(gear, merge(0.0_dp, pair%contact_ratio, gear == 1))/mm, &
                        contact, absolute=digit)
     end subroutine begins
   end subroutine undercut_pairs

@@ -1,12 +1,11 @@
 !> Harmonics of the static transmission error against closed forms.
 module test_harmonics
-  use gearsweep_harmonics, only: harmonics_t, find_harmonics
-  use gearsweep_interval, only: interval_t
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_oscillator, only: oscillator_t
-  use gearsweep_quadrature, only: gauss_legendre
-  use gearsweep_segments, only: segment_t, smooth_segments
-  use gearsweep_sharing, only: sharing_t, share_load
+  use gearsweep_mesh_harmonics, only: find_harmonics, harmonics_t
+  use gearsweep_mesh_deviations, only: interval_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_motion_oscillator, only: oscillator_t
+  use gearsweep_base_quadrature, only: gauss_legendre
+  use gearsweep_mesh_sharing, only: segment_t, share_load, sharing_t, smooth_segments
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close
   implicit none

@@ -1,9 +1,9 @@
 !> Inertia at the bores of whole gears: against finite elements of the whole gear with its hub, and closed forms.
 module test_hub
-  use gearsweep_hub, only: chain_frequencies
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_text, only: str
-  use quantities, only: answer_t, ask
+  use gearsweep_elastic_hub, only: chain_frequencies
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_base_text, only: str
+  use ask_by_name, only: answer_t, ask
   use reference_rows, only: next_row
   use testing, only: tally_t, check_true, check_close
   implicit none
@@ -36,7 +36,7 @@ contains
     character(:), allocatable :: inertia
 
     call ask(t, case//'&pinion'//teeth//web//' / &gear'//teeth//web//' /', described)
-    call ask(t, case//'&pinion'//teeth//' / &gear'//teeth//' /', solid)
+    call ask(t, case//'&pinion'//teeth//' / &gear'//teeth//' / &section fixed = ''sides'', ''rim'' /', solid)
     call ask(t, '&case tasks = ''body_modes'' / &pair module_mm = 2 face_width_mm = 20 / &pinion'//teeth//web//' / &gear'//teeth// &
              ' / &body_modes modes = 1 nodal_diameters = 0 elements_across = 3 /', body)
     call check_close(t, 'mass of rim and web', described%one('motion.pinion_mass_kg'), 7850*pi/2*(0.02_dp*(0.08_dp**4 - bore**4) &
@@ -139,15 +139,15 @@ contains
 
     text = '&case tasks=''mesh'' / &pair module_mm=3.18 face_width_mm=25.4 / &load line_load_n_mm=276 / '// &
            '&mesh model=''fe'' corner_contact=.false. / &section teeth=0 fixed=''rim'' elements_across=6 / '// &
-           '&pinion '//member()//'/ &gear '//member()//'/'
+           '&pinion '//gear()//'/ &gear '//gear()//'/'
 
   contains
 
-    function member()
-      character(:), allocatable :: member
+    function gear()
+      character(:), allocatable :: gear
 
-      member = 'teeth=25 bore_mm='//str(2*row(1))//' effective_mass_kg='//str(row(3)*1e3_dp*width)//hub
-    end function member
+      gear = 'teeth=25 bore_mm='//str(2*row(1))//' effective_mass_kg='//str(row(3)*1e3_dp*width)//hub
+    end function gear
   end function text_of
 
   !> Identities: inertia at a bore moves mu**2 of that gear's turning into the compliance of each pair, and the static

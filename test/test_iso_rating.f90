@@ -1,22 +1,21 @@
 !> Rating by ISO 6336: factors of the contact stress and the dynamic factor by Method B, against printed examples of other
 !> programs, Hertz's formula and what follows from the form of the equations.
 module test_iso_rating
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_dynamic_factor, only: deviations_of, dynamic_factor_b, is_in_range, method_b_t, resonance_ratio
-  use gearsweep_error, only: error_t
-  use gearsweep_flank_factors, only: flank_factors, flank_factors_t, nominal_flank_stress
-  use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
-  use gearsweep_gear_materials, only: common_names, contact_number, gear_materials, root_number
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_load_factors, only: rim_factor, root_face_load_factor
-  use gearsweep_material, only: material_t
-  use gearsweep_pair, only: free_centre_distance, make_pair, pair_t
-  use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_stiffness, only: iso_stiffness
-  use gearsweep_study, only: run_study, study_t
-  use gearsweep_table, only: table_t
-  use gearsweep_tables, only: make_table
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_rating_dynamic_factor, only: deviations_of, dynamic_factor_b, is_in_range, method_b_t, resonance_ratio
+  use gearsweep_base_error, only: error_t
+  use gearsweep_rating_flank, only: flank_factors, flank_factors_t, nominal_flank_stress, rim_factor, root_face_load_factor
+  use gearsweep_gear_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_rating_gear_materials, only: common_names, contact_number, gear_materials, root_number
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_gear_pair, only: free_centre_distance, make_pair, pair_t
+  use gearsweep_base_piecewise, only: piecewise_t
+  use gearsweep_mesh_stiffness, only: iso_stiffness
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_base_table, only: table_t
+  use gearsweep_api_tables, only: make_table
   use testing, only: check_close, check_error, check_no_error, check_true, tally_t
   implicit none
   private
@@ -289,14 +288,14 @@ contains
     character(6), parameter :: methods(3) = ['larger', 'a     ', 'b     ']
     type(table_t) :: rating, factors, dynamic
     real(dp) :: k_v, contact, root
-    integer :: i, member, point, method
+    integer :: i, gear, point, method
 
     do method = 1, 3
       call solve(t, text//''''//trim(methods(method))//''' /', 'rating', rating)
       call solve(t, text//''''//trim(methods(method))//''' /', 'rating_factors', factors)
       call solve(t, text//''''//trim(methods(method))//''' /', 'dynamic_factors', dynamic)
       do i = 1, rating%rows
-        member = merge(1, 2, rating%word('member', i) == 'pinion')
+        gear = merge(1, 2, rating%word('gear', i) == 'pinion')
         point = (i + 1)/2
         associate (a => dynamic%number('dynamic_factor_a', point), b => dynamic%number('dynamic_factor_b', point))
           k_v = merge(a, b, method == 2 .or. (method == 1 .and. a >= b))
@@ -306,12 +305,12 @@ contains
         root = rating%number('root_stress_mpa', i)
         call check_close(t, 'its K_v', rating%number('internal_dynamic_factor', i), k_v, 1e-15_dp)
         call check_close(t, 'sigma_H from its factors', contact**2, &
-                         (factors%number('single_pair_factor', member)*factors%number('nominal_contact_mpa', member))**2* &
+                         (factors%number('single_pair_factor', gear)*factors%number('nominal_contact_mpa', gear))**2* &
                          1.25_dp*k_v*1.17_dp*1.1_dp, 1e-12_dp)
-        call check_close(t, 'sigma_F from its factors', root, factors%number('nominal_root_mpa', member)*1.25_dp*k_v*1.1_dp* &
-                         factors%number('root_face_load_factor', member), 1e-12_dp)
+        call check_close(t, 'sigma_F from its factors', root, factors%number('nominal_root_mpa', gear)*1.25_dp*k_v*1.1_dp* &
+                         factors%number('root_face_load_factor', gear), 1e-12_dp)
         call check_close(t, 'S_H', contact*rating%number('contact_safety', i), 1490.03_dp, 1e-12_dp)
-        call check_close(t, 'S_F', root*rating%number('root_safety', i), limits(member), 1e-12_dp)
+        call check_close(t, 'S_F', root*rating%number('root_safety', i), limits(gear), 1e-12_dp)
         call check_true(t, 'its row of the dynamic factors', &
                         abs(rating%number('relief_um', i) - dynamic%number('relief_um', point)) <= 0 .and. &
                         abs(rating%number('rpm', i) - dynamic%number('rpm', point)) <= 0)

@@ -1,12 +1,11 @@
 !> Tooth thickness and tips: allowances and the backlash that follows, span and diameter over pins, chamfers and roundings.
 module test_measures
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_contour, only: tooth_outline
-  use gearsweep_error, only: error_t
-  use gearsweep_gear, only: coast, drive, gear_spec_t, gear_t, involute, make_gear
-  use gearsweep_measures, only: check_pin, find_measures, measures_t
-  use gearsweep_outline, only: involute_point, tip_break_point
-  use gearsweep_pair, only: free_centre_distance, make_pair, pair_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_gear_profile, only: involute_point, tip_break_point, tooth_outline
+  use gearsweep_base_error, only: error_t
+  use gearsweep_gear_gear, only: coast, drive, gear_spec_t, gear_t, involute, make_gear
+  use gearsweep_gear_measures, only: check_pin, find_measures, measures_t
+  use gearsweep_gear_pair, only: free_centre_distance, make_pair, pair_t
   use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
   implicit none
   private
@@ -110,19 +109,23 @@ contains
     type(gear_t) :: gear
     type(measures_t) :: measures
     type(error_t), allocatable :: error
-    integer, parameter :: teeth(5) = [20, 25, 51, 12, 17]
-    real(dp), parameter :: shift(5) = [0.0_dp, 0.3_dp, -0.203_dp, 0.5_dp, -0.1_dp]
+    integer, parameter :: teeth(6) = [20, 25, 51, 12, 17, 40]
+    real(dp), parameter :: shift(6) = [0.0_dp, 0.3_dp, -0.203_dp, 0.5_dp, -0.1_dp, 0.0_dp]
     integer :: i
 
-    do i = 1, 5
+    do i = 1, 6
       spec = spec_of(teeth(i), shift(i))
       if (i == 2) spec%thinning = -0.05_dp
       if (i == 3) spec%pin_diameter = 5.5_dp*mm
+      ! So thin that a pin which touches at the V circle is below the tip circle.
+      if (i == 6) spec%thinning = -0.75_dp
       call make_gear(spec, gear, error)
       call check_no_error(t, 'gear to be measured', error)
       measures = find_measures(gear)
       call check_close(t, 'span', measures%span/mm, by_jaws(gear, measures%span_teeth)/mm, absolute=1e-6_dp)
       call check_close(t, 'over pins', measures%over_pins/mm, over_pins(gear, measures%pin_diameter)/mm, absolute=1e-6_dp)
+      if (i == 6) call check_close(t, 'pins of thin teeth extend a tenth of a module', measures%over_pins/mm, &
+                                   2*gear%tip_radius/mm + 2*spec%module/10/mm, absolute=1e-9_dp)
       if (i == 3) call check_close(t, 'stated pins', measures%pin_diameter, 5.5_dp*mm)
     end do
     spec = spec_of(20, 0.0_dp)

@@ -35,10 +35,10 @@ pair="&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 effective_mass
 # write NAME GROUPS: a case of that pair.
 write() { printf '%s\n%s\n' "$pair" "$2" >"$1.nml"; }
 write modal "&case tasks = 'modal' / &section elements_across = 4 / &modal modes = 3 /"
-write modes "&case tasks = 'section', 'modal' / &section elements_across = 4 / &modal modes = 60 /"
+write modes "&case tasks = 'modal' / &section elements_across = 4 / &modal modes = 60 /"
 write static "&case tasks = 'static' / &relief amount_um = 0, 5, 10 / &mesh model = 'fe' /
 &section elements_across = 4 / &static positions = 50 /"
-write section "&case tasks = 'section' / &section elements_across = 40 /"
+write section "&case tasks = 'modal' / &section elements_across = 40 / &modal modes = 1 /"
 write fe "&case tasks = 'mesh' / &mesh model = 'fe' /"
 write sweep "&case tasks = 'sweep' / &relief amount_um = 0, 10, 20 /
 &sweep rpm_first = 1000 rpm_last = 20000 rpm_step = 50 /"
@@ -46,7 +46,7 @@ write slow "&case tasks = 'sweep' / &dynamics damping_ratio = 0.3 / &numerics to
 &sweep rpm_first = 1 rpm_last = 3 rpm_step = 1 /"
 write optimum "&case tasks = 'optimum' / &sweep rpm_first = 3000 rpm_last = 20000 rpm_step = 500 /"
 write load "&case tasks = 'mesh', 'load' / &relief amount_um = 0, 10, 20 / &sweep load_rpm = 100, 300, 5000, 6000 /"
-write huge "&case tasks = 'section', 'modal' / &section elements_across = 200 teeth = 0 / &modal modes = 10 /"
+write huge "&case tasks = 'modal' / &section elements_across = 200 teeth = 0 / &modal modes = 10 /"
 write many "&case tasks = 'modal' / &section elements_across = 16 / &modal modes = 1000 /"
 write points "&case tasks = 'sweep' / &sweep rpm_first = 1000 rpm_last = 20000 rpm_step = 0.00191 /"
 { printf '%s\n' "$pair" "&case tasks = 'mesh' / &relief amount_um ="; awk 'BEGIN { for (i = 0; i < 3000; i++) print i/1000 }'; echo /; } >reliefs.nml

@@ -1,21 +1,20 @@
 !> Stiffness models and static load sharing.
 module test_mesh
   use dogan_gears, only: dogan_pair
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_disc, only: disc_t
-  use gearsweep_error, only: error_t
-  use gearsweep_flattening, only: contact_half_width, load_dependence, surface_to_depth
-  use gearsweep_harmonics, only: harmonics_t, find_harmonics
-  use gearsweep_material, only: material_t
-  use gearsweep_mesh, only: joint_stiffness, mesh_t
-  use gearsweep_oscillator, only: oscillator_t
-  use gearsweep_own_flattening, only: even_flattening, flattening_t
-  use gearsweep_pair, only: pair_t
-  use gearsweep_piecewise, only: piecewise_t, polynomial, spline
-  use gearsweep_sharing, only: pair_load, sharing_t, share_load, static_deflection
-  use gearsweep_stiffness, only: gear_blank_factor, iso_options_t, iso_stiffness, polynomial_stiffness, table_stiffness
-  use gearsweep_text, only: str
-  use gearsweep_weber, only: weber_stiffness
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_disc, only: disc_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_elastic_flattening, only: contact_half_width, even_flattening, flattening_t, load_dependence, surface_to_depth
+  use gearsweep_mesh_harmonics, only: find_harmonics, harmonics_t
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_mesh_mesh, only: joint_stiffness, mesh_t
+  use gearsweep_motion_oscillator, only: oscillator_t
+  use gearsweep_gear_pair, only: pair_t
+  use gearsweep_base_piecewise, only: piecewise_t, polynomial, spline
+  use gearsweep_mesh_sharing, only: pair_load, share_load, sharing_t, static_deflection
+  use gearsweep_mesh_stiffness, only: gear_blank_factor, iso_options_t, iso_stiffness, polynomial_stiffness, table_stiffness, &
+            weber_stiffness
+  use gearsweep_base_text, only: str
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none

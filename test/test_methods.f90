@@ -4,20 +4,20 @@
 module test_methods
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_coefficients, only: resolution_t, scheme_constant, scheme_rk4, scheme_rk4_equal
-  use gearsweep_contact_set, only: period_t
-  use gearsweep_error, only: error_t
-  use gearsweep_error_estimate, only: accuracy_t, point_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: make_oscillator, mesh_period, oscillator_t
-  use gearsweep_period, only: run_period
-  use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_status, only: has_result, status_inexact
-  use gearsweep_sweep, only: contact_full, each, run_sweep, sweep_options_t, sweep_t
-  use gearsweep_text, only: str
-  use gearsweep_transient, only: by_marching
+  use gearsweep_motion_coefficients, only: resolution_t, scheme_constant, scheme_rk4, scheme_rk4_equal
+  use gearsweep_motion_contact_set, only: period_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_error_estimate, only: accuracy_t, point_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_motion_period, only: run_period
+  use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
+  use gearsweep_motion_steady_motion, only: has_result, status_inexact
+  use gearsweep_motion_sweep, only: contact_full, each, run_sweep, sweep_options_t, sweep_t
+  use gearsweep_base_text, only: str
+  use gearsweep_motion_transient, only: by_marching
   use random_numbers, only: random_t
-  use single_points, only: mesh_of, solve
+  use solve_one_point, only: mesh_of, solve
   use testing, only: check_close, check_true, tally_t
   implicit none
   private

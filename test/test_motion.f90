@@ -1,20 +1,20 @@
 !> Periodic motion against independent references, closed forms and identities.
 module test_motion
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_error, only: error_t
-  use gearsweep_coefficients, only: resolution_t
-  use gearsweep_contact_set, only: period_t
-  use gearsweep_error_estimate, only: accuracy_t, point_t
-  use gearsweep_oscillator, only: mesh_period, oscillator_t, make_oscillator
-  use gearsweep_full_contact, only: run_full_contact
-  use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: largest_multiplier
-  use gearsweep_response, only: response_t, find_response
-  use gearsweep_transient, only: by_marching
-  use gearsweep_status, only: has_result, status_marginal, status_name, status_ok, status_unresolved
-  use gearsweep_text, only: str
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_contact_set, only: period_t
+  use gearsweep_motion_error_estimate, only: accuracy_t, point_t
+  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_motion_period, only: run_full_contact
+  use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
+  use gearsweep_motion_periodic_orbit, only: largest_multiplier
+  use gearsweep_motion_response, only: find_response, response_t
+  use gearsweep_motion_transient, only: by_marching
+  use gearsweep_motion_steady_motion, only: has_result, status_marginal, status_name, status_ok, status_unresolved
+  use gearsweep_base_text, only: str
   use reference_rows, only: next_row, oscillator_of, read_rows, row_t
-  use single_points, only: mesh_of, solve
+  use solve_one_point, only: mesh_of, solve
   use testing, only: tally_t, check_true, check_close, check_equal
   implicit none
   private

@@ -1,17 +1,18 @@
 !> Parts of the motion by themselves: what an oscillator refuses and derives, the quintics between the ends of a
 !> step with their turning points and zeros, and the list of places where a load may be largest.
 module test_oscillator
-  use gearsweep_kinds, only: dp
-  use gearsweep_error, only: error_t
-  use gearsweep_coefficients, only: resolution_t, coefficients_t, tabulate
-  use gearsweep_contact_law, only: find_closed, find_law, find_law_values, shared_t
-  use gearsweep_load_peaks, only: may_exceed, add_candidate, raise_to_maximum, candidate_t, candidates_t
-  use gearsweep_oscillator, only: make_oscillator, oscillator_t
-  use gearsweep_quintic, only: derivative_of, evaluate, first_zero, maximum_of, may_cross_zero, place_of_largest, quintic, value_of
-  use gearsweep_text, only: str
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_coefficients, only: coefficients_t, resolution_t, tabulate
+  use gearsweep_motion_contact_law, only: find_closed, find_law, find_law_values, shared_t
+  use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, candidates_t, may_exceed, raise_to_maximum
+  use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_base_quintic, only: derivative_of, evaluate, first_zero, maximum_of, may_cross_zero, place_of_largest, quintic, &
+            value_of
+  use gearsweep_base_text, only: str
   use random_numbers, only: random_t
   use reference_rows, only: prescribed
-  use single_points, only: mesh_of
+  use solve_one_point, only: mesh_of
   use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
   implicit none
   private
@@ -111,7 +112,7 @@ contains
     call make_oscillator(osc, error)
     call check_no_error(t, 'oscillator', error)
     call check_equal(t, 'pairs', osc%pairs, 2)
-    call check_equal(t, 'members', osc%contacts, 2)
+    call check_equal(t, 'pairs in contact', osc%contacts, 2)
     call check_close(t, 'natural frequency', osc%natural_frequency, sqrt(ratio*400e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-12_dp)
     call check_true(t, 'two pairs are no faster than the bound', osc%highest_frequency >= &
                     (1 - 1e-12_dp)*sqrt(2*400e6_dp*(1/0.8_dp + 1/0.9_dp)))

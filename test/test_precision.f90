@@ -2,16 +2,16 @@
 !> and which of its numbers are the same in every run.
 module test_precision
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_error, only: error_t
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_report, only: failed_points
-  use gearsweep_status, only: status_name
-  use gearsweep_study, only: run_study, study_t
-  use gearsweep_table, only: kind_text, table_t
-  use gearsweep_tables, only: make_table, table_names
-  use gearsweep_text, only: str
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_study_results_report, only: failed_points, report
+  use gearsweep_motion_steady_motion, only: status_name
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_base_table, only: kind_text, table_t
+  use gearsweep_api_tables, only: make_table, table_names
+  use gearsweep_base_text, only: str
   use reproducible, only: write_reproducible
   use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
   implicit none
@@ -245,6 +245,7 @@ contains
     seconds = table%columns(table%position('run_time_s'))%numbers
     call check_true(t, 'times are above 0', all(seconds > 0), str(minval(seconds)))
     call check_true(t, 'and of seconds', all(seconds < 60), str(maxval(seconds)))
+    call check_rounded_times(t, report(study), table)
     call answer(t, curved//'most_steps = 6400 /', again, ignored, 'precision')
     seconds = numbers(ignored, 'run_time_s', 'dynamic_factor', 'rk4')
     call check_true(t, '256 times the steps take longer', seconds(9) > 20*seconds(1), str(seconds(1))//' '//str(seconds(9)))
@@ -262,6 +263,40 @@ contains
       call check_true(t, trim(names(i))//': the same bits', text == other)
     end do
   end subroutine times
+
+  !> The last column of the screen is the run time of the finest resolution of each method, to one digit.
+  subroutine check_rounded_times(t, screen, table)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: screen
+    type(table_t), intent(in) :: table
+    character(20) :: quantity, method
+    character(2) :: unit
+    character(:), allocatable :: line
+    real(dp), allocatable :: seconds(:)
+    real(dp) :: shown
+    integer :: from, until, shown_lines
+
+    shown_lines = 0
+    from = index(screen, 'Precision at')
+    do
+      from = from + index(screen(from:)//lf, lf)
+      if (from > len(screen)) exit
+      until = from + index(screen(from:)//lf, lf) - 2
+      line = screen(from:until)
+      if (len_trim(line) == 0) exit
+      if (index(line, 'quantity') > 0) cycle
+      read (line, *) quantity, method
+      read (line(len(line) - 7:), *) shown, unit
+      if (unit == 'us') shown = 1e-6_dp*shown
+      if (unit == 'ms') shown = 1e-3_dp*shown
+      seconds = numbers(table, 'run_time_s', trim(quantity), trim(method), 1)
+      ! A half of its digit, which is 0.5e-6 s at least.
+      call check_close(t, line, shown, max(1e-6_dp, seconds(size(seconds))), &
+                       absolute=0.5001_dp*10.0_dp**floor(log10(1.001_dp*shown)))
+      shown_lines = shown_lines + 1
+    end do
+    call check_equal(t, 'lines with a time', shown_lines, 9)
+  end subroutine check_rounded_times
 
   !> No number without a meaning: each column says what it is, each row which unit.
   subroutine meanings(t)

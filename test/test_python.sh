@@ -13,7 +13,7 @@ build_package || exit
 
 # Rows of the ledger that are open or not reproducible are expected failures, which count neither as passed nor as failed.
 ln -s "$root/data" "$work/data" || exit
-for page in python many pictures stability branches sensitivity precision asymmetric; do set -- "$root/doc/$page.md" "$@"; done
+for page in python many pictures nonlinear sensitivity accuracy asymmetric; do set -- "$root/doc/$page.md" "$@"; done
 export PYTHONPATH=$root
 # Those that take long belong to --all of test/run.sh.
 [ "${long_tests-yes}" = yes ] || set -- "$@" -m 'not long'

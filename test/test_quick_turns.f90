@@ -1,21 +1,24 @@
 !> Whole turns of gears as built in few long steps: against the motions of the solver written apart (test/reference/as_built.dat),
 !> and against the motions to the tolerance.
 module test_quick_turns
-  use gearsweep_deviations, only: deviations_t, make_deviations, wave_t
-  use gearsweep_error, only: error_t
-  use gearsweep_error_estimate, only: accuracy_t
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_oscillator, only: frequency_ratio, make_oscillator, oscillator_t
-  use gearsweep_piecewise, only: polynomial
-  use gearsweep_quick_steps, only: lay_maps, lay_steps, quick_maps_t, quick_steps_t
-  use gearsweep_quick_sweep, only: quick_motion_t, run_quickly
-  use gearsweep_quick_turn, only: follow_quickly, lay_errors
-  use gearsweep_refinement, only: levels_t
-  use gearsweep_text, only: str
-  use gearsweep_turn, only: find_turn, turn_t
-  use quantities, only: answer_t, ask, refusal
+  use gearsweep_motion_attractors, only: attractors_t, find_attractors, largest_reached
+  use gearsweep_motion_attractor_search, only: attractor_options_t
+  use gearsweep_mesh_deviations, only: deviations_t, make_deviations, wave_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_error_estimate, only: accuracy_t, levels_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_motion_oscillator, only: frequency_ratio, make_oscillator, oscillator_t
+  use gearsweep_base_piecewise, only: polynomial
+  use gearsweep_motion_quick_steps, only: lay_maps, lay_steps, quick_maps_t, quick_steps_t
+  use gearsweep_motion_quick_turn, only: follow_again, follow_quickly, lay_errors, quick_motion_t, run_quickly
+  use gearsweep_base_table, only: table_t
+  use gearsweep_api_tables, only: make_table
+  use gearsweep_base_text, only: str
+  use gearsweep_motion_response, only: find_turn, turn_t
+  use ask_by_name, only: answer_t, ask, refusal
   use test_as_built, only: given_t, read_given, springs
   use testing, only: check_close, check_true, tally_t
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_c_binding, only: c_null_ptr
   implicit none
   private
@@ -36,8 +39,10 @@ contains
     if (t%wants('alike')) call alike(t)
     if (t%wants('alone')) call alone(t, given)
     if (t%wants('by_keys')) call by_keys(t)
+    if (t%wants('estimates')) call estimates(t)
     if (t%wants('near_ends')) call near_ends(t)
     if (t%wants('waves')) call waves(t)
+    if (t%wants('several_motions')) call several_motions(t, given)
     if (t%wants('refused')) call refused(t)
   end subroutine run
 
@@ -61,7 +66,8 @@ contains
     do i = 1, size(given)
       associate (one => given(i), motion => found(1, 1))
         call run_quickly(nominal(one%osc), [one%osc%mesh%deviations], [one%rpm], 1, c_null_ptr, found)
-        call check_true(t, 'found', motion%is_found, one%name)
+        ! A start leads G5 to a motion that does not repeat after a turn; that speed is for the exact way.
+        call check_true(t, 'found', motion%is_found .neqv. one%name == 'G5', one%name)
         call check_close(t, 'dynamic factor '//one%name, motion%peak/one%osc%load, one%dynamic_factor, absolute=told)
         call check_true(t, 'where the largest load is', all(modulo(motion%pair, one%osc%mesh%teeth) == one%tooth), one%name)
         call check_close(t, 'least transmission error', motion%least, um*one%least, absolute=told*um*one%range)
@@ -77,21 +83,20 @@ contains
     real(dp) :: off(3)
     type(quick_steps_t) :: steps
     type(quick_maps_t) :: maps
-    type(quick_motion_t) :: beside, motion(1)
-    real(dp), allocatable :: errors(:, :, :)
+    type(quick_motion_t) :: motion(1)
+    real(dp), allocatable :: apart(:), errors(:, :, :)
     integer :: k
 
     associate (one => given(2))
+      apart = spread(-huge(1.0_dp), 1, one%periods)
       do k = 1, 3
         call lay_steps(nominal(one%osc), one%osc%mesh%deviations%waves, 0.2_dp/2**k, steps)
         call lay_maps(steps, [2*pi/frequency_ratio(steps%osc, one%rpm)], maps)
         if (allocated(errors)) deallocate (errors)
         call lay_errors(steps, one%osc%mesh%deviations, errors)
-        beside = quick_motion_t()
         ! A turn from the end of the last one leaves nothing of the transient.
-        call follow_quickly(steps, maps, errors, beside, motion)
-        beside = motion(1)
-        call follow_quickly(steps, maps, errors, beside, motion)
+        call follow_quickly(steps, maps, errors, apart, motion)
+        call follow_again(steps, maps, errors, apart, motion)
         off(k) = abs(motion(1)%begin(1)/um - one%state(1))
       end do
     end associate
@@ -197,8 +202,10 @@ contains
     do class = 5, 8, 3
       text = '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 20 / &gear teeth = 20 / '// &
              '&load torque_nm = 100 / &relief amount_um = 0, 8 / &sweep rpm_first = 2000, rpm_last = 16000, rpm_step = 2000 / '// &
-             '&deviations pinion_class = '//str(class)//', gear_class = '//str(class)//', draws = 12 / '
-      if (class == 8) text = text//'&dynamics friction = 0.06 / '
+             '&deviations pinion_class = '//str(class)//', gear_class = '//str(class)//', draws = 12 / '// &
+             '&section teeth = 3 / &dynamics damping_ratio = 0.17'
+      if (class == 8) text = text//', friction = 0.06'
+      text = text//' / '
       call ask(t, text, exact)
       call ask(t, text//quick, found)
       off = abs(found%all_of('as_built.dynamic_factor') - exact%all_of('as_built.dynamic_factor'))
@@ -211,8 +218,56 @@ contains
       call check_true(t, 'median', maxval(off) < told, str(maxval(off)))
       off = abs(found%all_of('as_built.dte_peak_to_peak_um')/exact%all_of('as_built.dte_peak_to_peak_um') - 1)
       call check_true(t, 'transmission error', maxval(off) < 2*told, str(maxval(off)))
+      ! The sample itself is to the tolerance.
+      off = abs(found%all_of('as_built.dte_peak_to_peak_um') - exact%all_of('as_built.dte_peak_to_peak_um'))
+      associate (estimate => found%all_of('as_built.dte_error_estimate_um'))
+        call check_true(t, 'estimate of the transmission error', count(off > estimate) < 2 .and. maxval(estimate(:8)) < 0.05_dp &
+                        .and. maxval(estimate/found%all_of('as_built.dte_peak_to_peak_um')) < 5e-3_dp, &
+                        str(maxval(off/estimate))//' '//str(maxval(estimate)))
+      end associate
     end do
   end subroutine by_keys
+
+  !> With and without relief, in classes 6 and 8, with flanks that part: of the points out of the sample at most one in 200 is off
+  !> by more than twice its estimate, and none that is `ok` by more than 1e-3; nor is any `ok` whose estimate is above: what is
+  !> found quickly, and has no multiplier, is `inexact` there.
+  subroutine estimates(t)
+    type(tally_t), intent(inout) :: t
+    type(answer_t) :: exact, found
+    real(dp), allocatable :: estimate(:), off(:)
+    character(:), allocatable :: text
+    logical, allocatable :: is_inexact(:), is_ok(:), is_quick(:), out(:)
+    type(table_t) :: table
+    type(error_t), allocatable :: error
+    integer :: above, class, i, inexact, points
+
+    above = 0
+    inexact = 0
+    points = 0
+    do class = 6, 8, 2
+      text = '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 20 / &gear teeth = 20 / '// &
+             '&load torque_nm = 60 / &relief amount_um = 0, 10 / &dynamics damping_ratio = 0.1 / '// &
+             '&sweep rpm_first = 3000, rpm_last = 20000, rpm_step = 1000 / &deviations pinion_class = '//str(class)// &
+             ', gear_class = '//str(class)//', draws = 12 / '
+      call ask(t, text, exact)
+      call ask(t, text//'&as_built quick = .true. / ', found)
+      off = abs(found%all_of('as_built.dynamic_factor') - exact%all_of('as_built.dynamic_factor'))
+      estimate = found%all_of('as_built.error_estimate')
+      call make_table(found%study, 'as_built', table, error)
+      is_ok = [(table%word('status', i) == 'ok', i=1, size(off))]
+      is_inexact = [(table%word('status', i) == 'inexact', i=1, size(off))]
+      is_quick = ieee_is_nan(found%all_of('as_built.multiplier')) .and. (is_ok .or. is_inexact)
+      out = off > 0
+      points = points + count(out)
+      above = above + count(out .and. .not. off <= 2*estimate)
+      call check_true(t, 'ok to 1e-3', .not. any(is_ok .and. off > told), str(maxval(off, mask=is_ok)))
+      call check_true(t, 'the others are not ok', .not. any(is_ok .and. estimate > told) .and. count(is_ok) > 100)
+      call check_true(t, 'inexact above 1e-3 alone', all((estimate > told .eqv. is_inexact) .or. .not. is_quick))
+      inexact = inexact + count(is_quick .and. estimate > told .and. estimate < 2e-2_dp)
+    end do
+    call check_true(t, 'some are between 1e-3 and 2e-2', inexact > 0)
+    call check_true(t, 'above twice the estimate', points > 400 .and. 200*above <= points, str(above)//' of '//str(points))
+  end subroutine estimates
 
   !> Without relief and in class 8, loads that are largest shortly before the end of a step, where the parabola through three loads
   !> still rises: within 1e-3 of those to the tolerance, at all speeds side by side.
@@ -246,7 +301,62 @@ contains
     call ask(t, text//', quick = .true. /', found)
     off = abs(found%all_of('as_built.dynamic_factor') - exact%all_of('as_built.dynamic_factor'))
     call check_true(t, 'waves', size(off) == 60 .and. maxval(off) < told, str(maxval(off)))
+    ! A wave of the gear moves with its teeth from assembly to assembly.
+    call ask(t, with_wave(text)//' /', exact)
+    call ask(t, with_wave(text)//', quick = .true. /', found)
+    off = abs(found%all_of('as_built.dynamic_factor') - exact%all_of('as_built.dynamic_factor'))
+    call check_true(t, 'waves of the gear', size(off) == 60 .and. maxval(off) < told, str(maxval(off)))
+
+  contains
+
+    function with_wave(text) result(longer)
+      character(*), intent(in) :: text
+      character(:), allocatable :: longer
+      integer :: at
+
+      at = index(text, 'gear_tooth = 1')
+      longer = text(:at - 1)//'gear_wave_order = 3, gear_wave_um = 5, gear_wave_phase_deg = 40, '//text(at:)
+    end function with_wave
   end subroutine waves
+
+  !> Where several motions attract, both ways have the one of largest dynamic factor: that of the search of the task `attractors`
+  !> from 64 starts, which captures trajectories, and how many there are.
+  subroutine several_motions(t, given)
+    type(tally_t), intent(inout) :: t
+    type(given_t), intent(in) :: given(:)
+    real(dp), parameter :: rpm(6) = [8000.0_dp, 9000.0_dp, 10000.0_dp, 11000.0_dp, 12000.0_dp, 13000.0_dp]
+    type(attractors_t) :: all_there(size(rpm))
+    type(levels_t), allocatable :: levels
+    type(oscillator_t) :: osc
+    type(quick_motion_t) :: found(size(rpm), 1)
+    type(turn_t) :: turn
+    type(error_t), allocatable :: error
+    integer :: by_both, i, k, several
+
+    several = 0
+    by_both = 0
+    do i = 1, size(given)
+      osc = given(i)%osc
+      if (osc%mesh%deviations%periods > 60) cycle
+      osc%damping_ratio = 0.07_dp
+      call make_oscillator(osc, error)
+      call find_attractors(osc, rpm, attractor_options_t(accuracy_t()), all_there)
+      call run_quickly(nominal(osc), [osc%mesh%deviations], rpm, 1, c_null_ptr, found)
+      allocate (levels)
+      do k = 1, size(rpm)
+        call find_turn(osc, rpm(k), accuracy_t(), levels, turn)
+        call check_close(t, 'the largest of '//given(i)%name, turn%point%dynamic_factor, &
+                         largest_reached(all_there(k)), absolute=2e-6_dp)
+        call check_true(t, 'how many', turn%point%motions >= size(all_there(k)%motion), str(turn%point%motions))
+        if (size(all_there(k)%motion) > 1) several = several + 1
+        if (.not. found(k, 1)%is_found) cycle
+        by_both = by_both + merge(1, 0, found(k, 1)%motions > 1)
+        call check_close(t, 'quickly '//given(i)%name, found(k, 1)%peak/osc%load, turn%point%dynamic_factor, absolute=5*told)
+      end do
+      deallocate (levels)
+    end do
+    call check_true(t, 'some have several motions', several > 3 .and. by_both > 1, str(several)//' '//str(by_both))
+  end subroutine several_motions
 
   subroutine refused(t)
     type(tally_t), intent(inout) :: t

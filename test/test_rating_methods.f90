@@ -1,18 +1,18 @@
 !> Rating by ISO 6336: the dynamic factor by Method A, deep teeth, in which accuracy grades relief counts, and what the tasks
 !> `rating`, `flank` and `life` have in common.
 module test_rating_methods
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_dynamic_factor, only: counted_relief, deviations_of, dynamic_factor_a, grade_of, no_grade
-  use gearsweep_error, only: error_t
-  use gearsweep_form, only: deep_tooth_factor, iso_form, nominal_root_stress, outer_single_contact
-  use gearsweep_gear, only: drive
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_pair, only: pair_t
-  use gearsweep_study, only: run_study, study_t
-  use gearsweep_table, only: table_t
-  use gearsweep_tables, only: make_table
-  use gearsweep_text, only: str
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_rating_dynamic_factor, only: counted_relief, deviations_of, dynamic_factor_a, grade_of, no_grade
+  use gearsweep_base_error, only: error_t
+  use gearsweep_rating_form, only: deep_tooth_factor, iso_form, nominal_root_stress, outer_single_contact
+  use gearsweep_gear_gear, only: drive
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_gear_pair, only: pair_t
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_base_table, only: table_t
+  use gearsweep_api_tables, only: make_table
+  use gearsweep_base_text, only: str
   use test_iso_rating, only: make, solve
   use testing, only: check_close, check_no_error, check_true, tally_t
   implicit none
@@ -39,6 +39,7 @@ contains
       middle = ' dedendum = 1.6 / &gear teeth = 60 addendum = ', &
       ends = ' dedendum = 1.6 / &load torque_nm = 200 / &mesh model = ''fe'' / &section elements_across = 8 / '// &
              '&flank rpm = 10 / &rating rpm = 10, 12000 dynamic_factor_method = ''a'' / &life rpm = 10 duration_h = 1 '// &
+             'curve_cycles = 1e3, 1e6 curve_stress_mpa = 500, 86 '// &
              'mean_stress = ''none'' dynamic_load = .false. / &case tasks = ''rating'', ''flank'', ''life'' /'
     character(4), parameter :: addendum(2) = ['1.00', '1.35']
     type(case_t) :: case
@@ -152,7 +153,8 @@ contains
       '&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 17 profile_shift = 0.3 / &gear teeth = 40 / '// &
       '&load torque_nm = 100 application_factor = 1.25 / '// &
       '&mesh model = ''weber'' corner_contact = .false. / &rating rpm = 3000 / &flank rpm = 3000 / '// &
-      '&life rpm = 3000 duration_h = 1 mean_stress = ''none'' '
+      '&life rpm = 3000 duration_h = 1 curve_cycles = 1e3, 1e6 '// &
+      'curve_stress_mpa = 500, 86 mean_stress = ''none'' '
     type(table_t) :: factors, losses, life, dynamic
     integer :: i
 

@@ -2,14 +2,15 @@
 module test_reader
   use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_decimal, only: write_decimal
-  use gearsweep_error, only: code_input, error_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_namelist, only: namelist_t, parse_namelist
-  use gearsweep_reader, only: open_reader, reader_t
-  use gearsweep_text, only: closest_word, join, lower, shown, str, to_number
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_base_text, only: closest_word, join, lower, shown, str, to_number, visible
+  use gearsweep_base_decimal, only: write_decimal
+  use gearsweep_base_error, only: code_input, error_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_study_reader_namelist, only: namelist_t, parse_namelist
+  use gearsweep_study_reader_reader, only: open_reader, reader_t
+  use gearsweep_base_text_rows, only: find_rows, rows_t
   use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
   implicit none
   private
@@ -30,6 +31,9 @@ contains
     if (t%wants('strings')) call test_strings(t)
     if (t%wants('counts')) call test_counts(t)
     if (t%wants('broken_text')) call test_broken_text(t)
+    if (t%wants('odd_characters')) call test_odd_characters(t)
+    if (t%wants('tables')) call test_tables(t)
+    if (t%wants('broken_tables')) call test_broken_tables(t)
     if (t%wants('absurd_sizes')) call test_absurd_sizes(t)
     if (t%wants('numbers')) call test_numbers(t)
     if (t%wants('lists')) call test_lists(t)
@@ -89,13 +93,16 @@ contains
 
     call check_equal(t, 'lower case', lower('Module_MM [Z]'), 'module_mm [z]')
     call check_equal(t, 'joined words', join(['up  ', 'down'], ', '), 'up, down')
-    call check_equal(t, 'a short text is shown', shown('a'//tab//'b'//char(200)), 'a?b?')
+    call check_equal(t, 'a short text is shown', shown('a'//tab//'b'//char(200)), 'a<U+0009>b'//char(195)//char(136))
+    call check_equal(t, 'a text is cut between characters', shown(repeat('x', 56)//repeat(char(195)//char(136), 9)), &
+                     repeat('x', 56)//'...')
     call check_equal(t, 'a long text is cut', shown(repeat('x', 100)), repeat('x', 57)//'...')
     call check_equal(t, 'the closest word', closest_word('modul_mm', ['bore_mm  ', 'module_mm']), 2)
     call check_equal(t, 'a forgotten unit', closest_word('face_width', ['face_width_mm']), 1)
     call check_equal(t, 'one character rather than an ending', closest_word('rpm_stp', ['rpm     ', 'rpm_step']), 2)
     call check_equal(t, 'an ending rather than two characters', closest_word('module', ['nodules  ', 'module_mm']), 2)
     call check_equal(t, 'a slip and a forgotten ending', closest_word('dampping', ['friction     ', 'damping_ratio']), 2)
+    call check_equal(t, 'the present name of a former one', closest_word('member', ['remember', 'gear    ']), 2)
     call check_equal(t, 'no close word', closest_word('colour', ['module_mm', 'bore_mm  ']), 0)
   end subroutine test_words
 
@@ -136,6 +143,11 @@ contains
       & 'pair:a=X;')
     call check_parsed(t, 'a byte order mark', char(239)//char(187)//char(191)//'&p a=1 /', 'p:a=1;')
     call check_parsed(t, '&end', '&p a=1 &END'//lf//'&q &end', 'p:a=1;')
+    call check_parsed(t, '& alone', '&p a=1 &'//lf//'&q b=2 &'//lf, 'p:a=1;q:b=2;')
+    call check_parsed(t, 'old names of groups', '$p a=1 $end $q b=''$'' $'//lf//'$r c=3 /', 'p:a=1;q:b="$";r:c=3;')
+    call check_parsed(t, 'CR', '&p a=1 ! x'//cr//' b=2'//cr//'/'//cr, 'p:a=1;p:b=2;')
+    call check_parsed(t, 'an end mark', '&p a=1 /'//cr//lf//achar(26), 'p:a=1;')
+    call check_parsed(t, 'indices', '&p a(1)=1 a(2)=2, 3, a( 4 ) = ''x'' b (1) = 5 c=6 /', 'p:a=1|2|3|"x";p:b=5;p:c=6;')
     call check_parsed(t, 'values over lines', '&p a = 1,'//lf//' 2'//lf//' 3 ! 4'//lf//', 5, /', 'p:a=1|2|3|5;')
     call check_parsed(t, 'nothing given', '&p a =   b = 5 c = / ! x', 'p:b=5;')
     call check_parsed(t, 'nothing but a comma given', '&p a = , b = 5 /', 'p:b=5;')
@@ -182,8 +194,16 @@ contains
     call check_broken(t, 'no key at all', '&p = 1 /', 'no key in front of =')
     call check_broken(t, 'two =', '&p a == 1 /', 'no key in front of =')
     call check_broken(t, 'a string as key', '&p ''a'' = 1 /', 'a value without a key')
-    call check_broken(t, 'an index', '&p a(2) = 1 /', 'line 1: keys with an index are not supported: a(2)')
-    call check_broken(t, 'a distant index', '&p a (2) = 1 /', 'a value without a key')
+    call check_broken(t, 'no first index', '&p a(2) = 1 /', 'line 1: a(2): the values of a list must follow each other')
+    call check_broken(t, 'an index left out', '&p a(1) = 1 a(3) = 2 /', 'a(3): the values of a list must follow each other')
+    call check_broken(t, 'an index twice', '&p a(1) = 1 a(1) = 2 /', 'key a is given twice in &p')
+    call check_broken(t, 'an index behind another key', '&p a(1) = 1 b = 2 a(2) = 3 /', 'a(2): the values of a list must')
+    call check_broken(t, 'an index of another key', '&p a(1) = 1 b(2) = 2 /', 'b(2): the values of a list must')
+    call check_broken(t, 'two indices', '&p'//lf//'a(1, 2) = 1 /', 'line 2: a(1, 2): an index must be one whole number')
+    call check_broken(t, 'a range of indices', '&p a(1:2) = 1, 2 /', 'a(1:2): an index must be one whole number')
+    call check_broken(t, 'index 0', '&p a(0) = 1 /', 'a(0): an index must be one whole number from 1 on')
+    call check_broken(t, 'an open index', '&p a(1 = 2 /', 'a(1: an index must be')
+    call check_broken(t, 'an index and no key', '&p (1) = 2 /', 'this is no key: (1)')
     call check_broken(t, 'a part', '&p a%b = 1 /', 'keys with parts are not supported: a%b')
     call check_broken(t, 'a number as key', '&p 5 = 1 /', 'this is no key: 5')
     call check_broken(t, 'an open string', '&p a = "x'//lf//' " /', 'line 1: a string is never closed: "x')
@@ -195,8 +215,204 @@ contains
     call check_broken(t, 'a comma first', '&p , a = 2 /', 'a comma without a key')
     call check_broken(t, 'a NUL byte', '&p'//lf//'a = 1'//achar(0)//' /', 'line 2: a control character (code 0)')
     call check_broken(t, 'an escape byte', '&p a = "'//achar(27)//'" /', 'a control character (code 27)')
-    call check_broken(t, 'a lone CR', '&p'//cr//'a = 1 /', 'a control character (code 13)')
+    call check_broken(t, 'an end mark inside', '&p'//achar(26)//'a = 1 /', 'a control character (code 26)')
+    call check_broken(t, 'old names of groups', '$p a = 1', 'group &p is never closed')
   end subroutine test_broken_text
+
+  !> Characters that text programs put in place of those of ASCII, by their bytes in UTF-8 as the Unicode standard lists them.
+  subroutine test_odd_characters(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: e2 = achar(226), c2 = achar(194)
+    character(*), parameter :: minus = e2//achar(136)//achar(146), dash = e2//achar(128)//achar(147), &
+                               left = e2//achar(128)//achar(152), right = e2//achar(128)//achar(153), space = c2//achar(160), &
+                               no_width = e2//achar(128)//achar(139), wide = achar(239)//achar(188)//achar(145)
+
+    call check_broken(t, 'a minus sign', '&p'//lf//' a = '//minus//'0.1 /', &
+                      'line 2: &p a = '//minus//'0.1: '''//minus//''' is U+2212, a minus sign of text programs; type ''-''')
+    call check_broken(t, 'a dash', '&p a = 1 b = '//dash//'2 /', &
+                      '&p b = '//dash//'2: '''//dash//''' is U+2013, an en dash; type ''-''')
+    call check_broken(t, 'curly quotes', '&p a = '//left//'x'//right//' /', left//''' is U+2018, a quotation mark')
+    call check_broken(t, 'a no-break space', '&p a ='//space//'21 /', '&p a = <U+00A0>21: U+00A0 is a no-break space; type a plain')
+    call check_broken(t, 'the same in Latin-1', '&p a ='//achar(160)//'21 /', '<U+00A0>21: U+00A0 is a no-break space')
+    call check_broken(t, 'in front of a key', '&p a = 1 '//space//'b = 21 /', 'line 1: &p <U+00A0>b: U+00A0 is')
+    call check_broken(t, 'in front of a group', no_width//'&p a = 1 /', 'line 1: <U+200B>: U+200B is a zero-width space; remove it')
+    call check_broken(t, 'in the name of a group', '&p'//no_width//' a = 1 /', '&p<U+200B>: U+200B is a zero-width space')
+    call check_broken(t, 'a figure of full width', '&p a = '//wide//' /', &
+                      wide//''' is U+FF11, a character of full width; type ''1''')
+    call check_broken(t, 'a letter', '&p gr'//achar(246)//achar(223)//'e = 1 /', 'U+00F6, which may be in quotation marks')
+    call check_broken(t, 'UTF-16', achar(255)//achar(254)//'&'//achar(0)//'p'//achar(0), 'in UTF-16; save it in UTF-8')
+    call check_broken(t, 'UTF-16, the high byte first', achar(0)//'&'//achar(0)//'p', 'in UTF-16; save it in UTF-8')
+    call check_parsed(t, 'all of them in strings and remarks', &
+                      '&p a = "'//minus//dash//left//space//'" ! '//minus//space//lf//'/', &
+                      'p:a="'//minus//dash//left//space//'";')
+    ! Of Latin-1, and of neither: half a character, one with a byte too many, half a pair of UTF-16.
+    call check_parsed(t, 'Latin-1', '&p a = "'//achar(228)//achar(246)//'" /', &
+                      'p:a="'//achar(195)//achar(164)//achar(195)//achar(182)//'";')
+    call check_parsed(t, 'half a character', '&p a = "'//achar(226)//'" /', 'p:a="'//achar(195)//achar(162)//'";')
+    call check_parsed(t, 'too long a form', '&p a = "'//achar(224)//achar(160)//'x" /', &
+                      'p:a="'//achar(195)//achar(160)//c2//achar(160)//'x";')
+  end subroutine test_odd_characters
+
+  !> One table in all ways in which spreadsheets, data frames and hands write it: with the same rows in all.
+  subroutine test_tables(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: separators(*) = [character(2) :: ',', ';', tab, ' ', ', ', ' ;']
+    character(*), parameter :: ends(*) = [character(2) :: lf, cr//lf, cr]
+    character(*), parameter :: mark = char(239)//char(187)//char(191)
+    character(:), allocatable :: separator, line_end, table, name
+    integer :: i, k, decimal
+
+    do i = 1, size(separators)
+      separator = separators(i) (:merge(2, 1, i > 4))
+      do k = 1, size(ends)
+        line_end = trim(ends(k))
+        do decimal = 0, merge(1, 0, index(separator, ',') == 0)
+          name = 'separator '//str(i)//', line end '//str(k)//', decimals '//str(decimal)
+          call write_table('name', '')
+          call check_table(t, name, table)
+          call write_table('"NAME"', mark)
+          call check_table(t, name//', all else besides', table//'! remark'//line_end//repeat(separator, 3)//line_end// &
+                           ' '//line_end//char(26))
+        end do
+      end do
+    end do
+    ! Numbers without a header, as of a stiffness over the path.
+    call check_pairs(t, 'commas', '0,150'//lf//'0.8,200')
+    call check_pairs(t, 'commas and blanks', '0, 150 '//lf//'0.8 ,'//tab//'200')
+    call check_pairs(t, 'semicolons with decimal commas', '0;150,0'//lf//'0,8;200;')
+    call check_pairs(t, 'tabs with decimal commas', '0'//tab//'150,0'//lf//'0,8'//tab//tab//'200')
+    call check_pairs(t, 'blanks with decimal commas', '  0,0  150'//lf//'0,8 200')
+    call check_pairs(t, 'a comma, then a tab', '0, 150'//lf//'0.8'//tab//'200')
+    call check_pairs(t, 'a semicolon, then a tab', '0; 150'//lf//'0,8'//tab//'200')
+    call check_pairs(t, 'names above', mark//'S, Stiffness'//lf//'0, 150'//lf//'8d-1, 2e2'//lf//',,')
+
+  contains
+
+    !> With a name that has the separator in it, in quotation marks.
+    subroutine write_table(column, front)
+      character(*), intent(in) :: column, front
+
+      table = front//'# remark; with, all'//tab//'of them'//line_end//'Tooth'//separator//column//separator//'deviation_UM'// &
+              separator//line_end//'21.0'//separator//'"a'//separators(i) (1:1)//' ""b"""'//separator//'-1.5e1'//line_end// &
+              '3'//separator//'plain'//separator//merge('0,25', '0.25', decimal == 1)//separator//line_end
+    end subroutine write_table
+
+    subroutine check_table(t, name, text)
+      type(tally_t), intent(inout) :: t
+      character(*), intent(in) :: name, text
+      type(rows_t) :: rows
+      type(error_t), allocatable :: error
+      character(:), allocatable :: fields(:)
+      real(dp) :: x
+      integer :: whole
+      logical :: ok(3)
+
+      call find_rows(text, 'file', 'tooth,name,deviation_um', rows, error)
+      call check_no_error(t, name, error)
+      if (allocated(error)) return
+      call check_equal(t, name//': rows', size(rows%rows), 2)
+      if (size(rows%rows) /= 2) return
+      call rows%fields(1, 3, fields, ok(1))
+      call rows%whole_number(fields(1), whole, ok(2))
+      call rows%number(fields(3), x, ok(3))
+      call check_true(t, name//': first row', all(ok) .and. whole == 21 .and. abs(x + 15) <= 0 .and. &
+                      fields(2) == 'a'//separators(i) (1:1)//' "b"')
+      call rows%fields(2, 3, fields, ok(1))
+      call rows%whole_number(fields(1), whole, ok(2))
+      call rows%number(fields(3), x, ok(3))
+      call check_true(t, name//': second row', all(ok) .and. whole == 3 .and. abs(x - 0.25_dp) <= 0 .and. fields(2) == 'plain')
+    end subroutine check_table
+
+    !> 0, 150 and 0.8, 200.
+    subroutine check_pairs(t, name, text)
+      type(tally_t), intent(inout) :: t
+      character(*), intent(in) :: name, text
+      type(rows_t) :: rows
+      type(error_t), allocatable :: error
+      character(:), allocatable :: fields(:)
+      real(dp) :: x(2, 2)
+      logical :: ok(3)
+      integer :: row
+
+      call find_rows(text, 'file', '', rows, error)
+      call check_no_error(t, name, error)
+      if (allocated(error)) return
+      call check_equal(t, name//': rows', size(rows%rows), 2)
+      x = -1
+      do row = 1, min(2, size(rows%rows))
+        call rows%fields(row, 2, fields, ok(1))
+        call rows%number(fields(1), x(1, row), ok(2))
+        call rows%number(fields(2), x(2, row), ok(3))
+        call check_true(t, name//': two numbers', all(ok))
+      end do
+      call check_true(t, name//': numbers', all(abs(x - reshape([0.0_dp, 150.0_dp, 0.8_dp, 200.0_dp], [2, 2])) <= 0))
+    end subroutine check_pairs
+  end subroutine test_tables
+
+  !> What no rule covers is not guessed.
+  subroutine test_broken_tables(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: header = 'tooth,roll_mm', minus = char(226)//char(136)//char(146)
+
+    call refuse('no header', '# x', 'file: lacks the line tooth,roll_mm')
+    call refuse('another header', lf//'roll_mm;tooth'//lf, 'file line 2: roll_mm;tooth: must be tooth,roll_mm')
+    call refuse('a column more', 'tooth,roll_mm,flank'//lf, 'must be tooth,roll_mm')
+    call refuse('UTF-16', char(255)//char(254)//'t'//char(0), 'file line 1: the text is in UTF-16; save it in UTF-8')
+    call refuse('a control character', 'tooth,roll_mm'//cr//'1,'//char(27), 'file line 2: a control character (code 27)')
+    call refuse('a no-break space in the header', 'tooth,'//char(194)//char(160)//'roll_mm', 'U+00A0 is a no-break space; type a')
+    call refuse_row('a decimal comma among commas', '1,2,5', 'file line 2: why; decimals take a point')
+    call refuse_row('a minus sign', '1,'//minus//'2', 'why; '''//minus//''' is U+2212')
+    call refuse_row('a field less', '1', 'file line 2: why')
+    call refuse_row('two commas in a number', '1;1,2,3', 'file line 2: why')
+    call refuse_row('a decimal comma alone', '1;', 'file line 2: why')
+    call refuse_pair('0;150'//lf//'0,8')
+    call refuse_pair('0,0 150'//lf//'0,8')
+    call refuse_row('points of thousands', '1;1.234,5', 'file line 2: why')
+
+  contains
+
+    subroutine refuse(name, text, message)
+      character(*), intent(in) :: name, text, message
+      type(rows_t) :: rows
+      type(error_t), allocatable :: error
+
+      call find_rows(text, 'file', header, rows, error)
+      call check_error(t, name, error, contains=message)
+    end subroutine refuse
+
+    !> A row of one number with a decimal comma below one that has such commas.
+    subroutine refuse_pair(text)
+      character(*), intent(in) :: text
+      type(rows_t) :: rows
+      type(error_t), allocatable :: error
+      character(:), allocatable :: fields(:)
+      logical :: ok
+
+      call find_rows(text, 'file', '', rows, error)
+      call check_no_error(t, text, error)
+      call rows%fields(2, 2, fields, ok)
+      call check_true(t, 'not two numbers: '//text, .not. ok)
+    end subroutine refuse_pair
+
+    !> A row that cannot be read as two numbers.
+    subroutine refuse_row(name, row, message)
+      character(*), intent(in) :: name, row, message
+      type(rows_t) :: rows
+      type(error_t), allocatable :: error
+      character(:), allocatable :: fields(:)
+      real(dp) :: x
+      logical :: ok(3)
+
+      call find_rows(merge('tooth;roll_mm', 'tooth,roll_mm', index(row, ';') > 0)//lf//row, 'file', header, rows, error)
+      call check_no_error(t, name, error)
+      call rows%fields(1, 2, fields, ok(1))
+      call rows%number(fields(1), x, ok(2))
+      call rows%number(fields(2), x, ok(3))
+      call check_true(t, name//': is not read', .not. all(ok))
+      call rows%refuse(1, 'why', error)
+      call check_error(t, name, error, contains=message)
+    end subroutine refuse_row
+  end subroutine test_broken_tables
 
   !> None of these takes long, or much memory.
   subroutine test_absurd_sizes(t)
@@ -317,6 +533,10 @@ contains
     call check_equal(t, 'free text', title, 'A & B')
     call check_equal(t, 'a word', model, 'weber')
     call check_equal(t, 'words', join(tasks, '+'), 'fe+weber')
+    call open_reader('&case model = ''ste'' /', reader, error)
+    call reader%add_group('case', '')
+    call reader%get('case', 'model', model, error, 'a meaning', allowed=[character(7) :: 'section', 'mesh'])
+    call check_error(t, 'a short word of the field', error, contains='(did you mean mesh?)')
     call check_equal(t, 'free texts', join(names, '+'), 'ab+c')
   end subroutine test_texts
 
@@ -362,6 +582,8 @@ contains
     call check_refused(t, '', '&p x: missing; must be above 0')
     call check_refused(t, 'x=1 big = 1e307', '&p big = 1e307: is too large')
     call check_refused(t, 'x=1 i = 2.5', '&p i = 2.5: must be an integer')
+    call check_refused(t, 'x=1 i = 5.5e3 0', 'must be a single integer')
+    call check_refused(t, 'x=1 i = 1e10', '&p i = 1e10: must be an integer')
     call check_refused(t, 'x=1 i = ''abc''', '&p i = ''abc'': must be an integer')
     call check_refused(t, 'x=1 i = 4', '&p i = 4: must be at least 5')
     call check_refused(t, 'x=1 i = 5 6', '&p i = 5, 6: must be a single integer')
@@ -436,7 +658,7 @@ contains
 
     call parse_namelist(text, namelist, error)
     if (allocated(error)) then
-      is_sound = error%code == code_input .and. verify(error%message, printable()) == 0
+      is_sound = error%code == code_input .and. error%message == visible(error%message)
     else
       is_sound = size(namelist%groups) > 0
       do i = 1, size(namelist%entries)
@@ -445,17 +667,8 @@ contains
     end if
     call read_all(text, error)
     is_sound = is_sound .and. allocated(error)
-    if (is_sound) is_sound = verify(error%message, printable()) == 0
+    if (is_sound) is_sound = error%message == visible(error%message)
   end function is_sound
-
-  pure function printable() result(set)
-    character(95) :: set
-    integer :: i
-
-    do i = 1, 95
-      set(i:i) = achar(31 + i)
-    end do
-  end function printable
 
   !> Compares all that was parsed: `group:key=value|value;`, with strings in "".
   subroutine check_parsed(t, name, text, expected)

@@ -1,32 +1,36 @@
-!> Many reliefs at once: one map for all amounts against each amount by itself, and what the search for the optimum leaves out.
+!> The search for the best relief, of one amount and of several numbers, against brute force.
 module test_reliefs
-  use gearsweep_convex_bounds, only: bound_curves, known_curve_t, may_be_largest
-  use gearsweep_error, only: error_t
-  use gearsweep_joint_optimum, only: find_joint_optimum, joint_optimum_t, starts_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_optimum, only: find_optimum, optimum_t, peak_t, worst_of
-  use gearsweep_oscillator, only: make_oscillator, oscillator_t
-  use gearsweep_relief, only: profile_error, relief_t
-  use gearsweep_status, only: has_result
-  use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
-  use gearsweep_report, only: report
-  use gearsweep_text, only: fixed, str
-  use quantities, only: answer_t, ask
+  use gearsweep_motion_optimum, only: find_optimum, optimum_t, peak_t, worst_of
+  use gearsweep_base_error, only: error_t
+  use gearsweep_motion_joint_optimum, only: design_t, find_joint_optimum, joint_optimum_t, largest_value, starts_t, sweep_design
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_gear_relief, only: profile_error, relief_t
+  use gearsweep_motion_steady_motion, only: has_result
+  use gearsweep_motion_sweep, only: each, run_sweep, sweep_options_t, sweep_t
+  use gearsweep_study_results_report, only: report
+  use gearsweep_base_text, only: fixed, str
+  use ask_by_name, only: answer_t, ask
   use random_meshes, only: draw_t, random_mesh
   use random_numbers, only: random_t
-  use single_points, only: mesh_of
+  use solve_one_point, only: mesh_of
   use testing, only: check_close, check_no_error, check_true, tally_t
   implicit none
   private
   public :: run
+
+  !> What designs of a mesh are judged by.
+  type :: problem_t
+    type(oscillator_t) :: osc
+    type(sweep_options_t) :: options
+    real(dp) :: rpm(40) = 0
+  end type problem_t
 
 contains
 
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    if (t%wants('one_map_for_all')) call one_map_for_all(t)
-    if (t%wants('curves_within_bounds')) call curves_within_bounds(t)
     if (t%wants('optimum_by_brute_force')) call optimum_by_brute_force(t)
     if (t%wants('joint_optimum')) call joint_optimum(t)
     if (t%wants('joint_optimum_of_a_case')) call joint_optimum_of_a_case(t)
@@ -46,110 +50,6 @@ contains
     call make_oscillator(osc, error)
     if (allocated(error)) error stop 'relieved mesh'
   end subroutine relieve
-
-  !> Random meshes, with friction, backlash and a shared compliance in turn: what a sweep over four amounts says of a point is
-  !> what the sweep over that amount alone says, which knows no other way than its own map, up to what both may err by.
-  subroutine one_map_for_all(t)
-    type(tally_t), intent(inout) :: t
-    integer, parameter :: meshes = 40, speeds = 12
-    real(dp), parameter :: part(4) = [0.0_dp, 0.3_dp, 0.6_dp, 1.0_dp]
-    type(draw_t) :: draw
-    type(oscillator_t) :: osc(size(part))
-    type(sweep_options_t) :: options
-    type(sweep_t) :: together, alone
-    type(error_t), allocatable :: error
-    integer :: full, partial, linear, i, k, l
-
-    full = 0
-    partial = 0
-    linear = 0
-    options%direction = each
-    do i = 1, meshes
-      call random_mesh(i, speeds, draw)
-      if (modulo(i, 2) == 0) draw%osc%friction = 0.1_dp
-      if (modulo(i, 3) == 0) draw%osc%mesh%disc%shared = 0.2_dp/draw%osc%mesh%stiffness%maximum()
-      draw%osc%has_backlash = modulo(i, 5) == 0
-      draw%osc%mesh%tan_angle = 0.364_dp
-      draw%osc%mesh%pitch_point = draw%osc%mesh%contact_ratio/2
-      do k = 1, size(part)
-        call relieve(draw%osc, part(k), osc(k))
-      end do
-      options%accuracy%steady%tolerance = draw%tolerance
-      call run_sweep(osc, draw%rpm, options, together, error)
-      call check_no_error(t, 'together', error)
-      options%full_contact_only = .true.
-      call run_sweep(osc, draw%rpm, options, alone, error)
-      linear = linear + count(alone%status <= 1)
-      options%full_contact_only = .false.
-      do k = 1, size(part)
-        call run_sweep(osc(k:k), draw%rpm, options, alone, error)
-        call check_no_error(t, 'alone', error)
-        call check_true(t, 'the same statuses', all(together%status(:, k) == alone%status(:, 1)))
-        call check_true(t, 'the same contact', all(together%contact(:, k) == alone%contact(:, 1)))
-        partial = partial + count(alone%contact(:, 1) > 0)
-        do l = 1, speeds
-          if (alone%status(l, 1) > 1 .or. together%status(l, k) > 1 .or. alone%contact(l, 1) > 0) cycle
-          full = full + 1
-          call check_close(t, 'the same dynamic factor', together%dynamic_factor(l, k), alone%dynamic_factor(l, 1), &
-                           absolute=2*(together%estimate(l, k) + alone%estimate(l, 1)))
-          call check_close(t, 'the same multiplier', together%multiplier(l, k), alone%multiplier(l, 1), &
-                           absolute=100*draw%tolerance)
-          call check_true(t, 'it repeats', together%residual(l, k) < 1e-9_dp, str(together%residual(l, k)))
-        end do
-      end do
-    end do
-    call check_true(t, 'points in full contact', full > 400, str(full))
-    call check_true(t, 'points in which pairs part', partial > 100, str(partial))
-    call check_true(t, 'nearly all in full contact go that way', linear > 0.6_dp*full, str(linear)//' of '//str(full))
-  end subroutine one_map_for_all
-
-  !> Largest of some random straight lines: convex curves, whose bounds hold, and of which none is left out that is largest.
-  subroutine curves_within_bounds(t)
-    type(tally_t), intent(inout) :: t
-    integer, parameter :: curves = 200, lines = 4, trials = 200
-    type(random_t) :: random
-    type(known_curve_t) :: three(3)
-    real(dp) :: offset(curves, lines), slope(curves, lines), places(5)
-    real(dp), dimension(curves) :: lower, upper, value
-    logical :: candidates(curves)
-    integer :: i, k, n, left_out
-
-    random%seed = 1414
-    left_out = 0
-    do k = 1, trials
-      do i = 1, curves
-        offset(i, :) = [(random%between(0.0_dp, 1.0_dp), n=1, lines)]
-        slope(i, :) = [(random%between(-3.0_dp, 3.0_dp), n=1, lines)]
-      end do
-      three%place = [0.1_dp, random%between(0.2_dp, 0.8_dp), 0.9_dp]
-      do i = 1, 3
-        three(i)%lower = values_at(three(i)%place)
-        three(i)%upper = three(i)%lower
-      end do
-      places = [(random%between(0.1_dp, 0.9_dp), i=1, size(places))]
-      call may_be_largest(three, places, 1e-12_dp, candidates)
-      left_out = left_out + count(.not. candidates)
-      do i = 1, size(places)
-        value = values_at(places(i))
-        call bound_curves(three, places(i), lower, upper)
-        call check_true(t, 'between the bounds', all(lower <= value + 1e-14_dp .and. value <= upper + 1e-14_dp))
-        call check_true(t, 'the largest is a candidate', candidates(maxloc(value, 1)))
-      end do
-    end do
-    call check_true(t, 'some are left out', left_out > curves*trials/10, str(left_out))
-    deallocate (three(3)%upper)
-    call may_be_largest(three, places, 0.0_dp, candidates)
-    call check_true(t, 'all, where too little is known', all(candidates))
-
-  contains
-
-    function values_at(place) result(values)
-      real(dp), intent(in) :: place
-      real(dp) :: values(curves)
-
-      values = maxval(offset + slope*place, 2)
-    end function values_at
-  end subroutine curves_within_bounds
 
   subroutine build(context, amount, motion, error)
     class(*), intent(in) :: context
@@ -219,8 +119,8 @@ contains
   end subroutine relieve_both
 
   !> A mesh whose reliefs of both gears have amounts of up to 30 um and lengths of up to half of the path.
-  subroutine with_reliefs(context, number, motion, error)
-    class(*), intent(in) :: context
+  subroutine with_reliefs(osc, number, motion, error)
+    type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: number(:)
     type(oscillator_t), allocatable, intent(out) :: motion(:)
     type(error_t), allocatable, intent(out) :: error
@@ -228,22 +128,38 @@ contains
     type(relief_t) :: relief
     integer :: i
 
-    select type (context)
-    type is (oscillator_t)
-      allocate (motion(size(load_factor)))
-      do i = 1, size(motion)
-        motion(i) = context
-        motion(i)%load = load_factor(i)*context%load
-        relief%amount = 30e-6_dp*number(1)
-        associate (ratio => context%mesh%contact_ratio, length => 0.1_dp + 0.7_dp*number(2))
-          relief%start = [ratio - length, length]
-          call profile_error(relief, ratio, motion(i)%mesh%profile_error, error)
-        end associate
-        if (.not. allocated(error)) call make_oscillator(motion(i), error)
-        if (allocated(error)) return
-      end do
-    end select
+    allocate (motion(size(load_factor)))
+    do i = 1, size(motion)
+      motion(i) = osc
+      motion(i)%load = load_factor(i)*osc%load
+      relief%amount = 30e-6_dp*number(1)
+      associate (ratio => osc%mesh%contact_ratio, length => 0.1_dp + 0.7_dp*number(2))
+        relief%start = [ratio - length, length]
+        call profile_error(relief, ratio, motion(i)%mesh%profile_error, error)
+      end associate
+      if (.not. allocated(error)) call make_oscillator(motion(i), error)
+      if (allocated(error)) return
+    end do
   end subroutine with_reliefs
+
+  !> The judge of these: all dynamic factors.
+  subroutine by_factors(context, number, design, stopped, error, best)
+    class(*), intent(in) :: context
+    real(dp), intent(in) :: number(:)
+    type(design_t), intent(out) :: design
+    logical, intent(out) :: stopped
+    type(error_t), allocatable, intent(out) :: error
+    type(design_t), intent(in), optional :: best
+    type(oscillator_t), allocatable :: motion(:)
+
+    stopped = .false.
+    select type (context)
+    type is (problem_t)
+      call with_reliefs(context%osc, number, motion, error)
+      if (.not. allocated(error)) call sweep_design(motion, context%rpm, context%options, design, stopped, error, best)
+      design%number = number
+    end select
+  end subroutine by_factors
 
   !> Amount and length together under two loads: no design of a grid over both is better, by more than the last step changes.
   subroutine joint_optimum(t)
@@ -266,7 +182,7 @@ contains
     do k = 1, 3
       starts(k)%number = reshape([([i/4.0_dp, k/3.0_dp], i=0, 4)], [2, 5])
     end do
-    call find_joint_optimum(with_reliefs, osc, starts, rpm, options, found, error)
+    call find_joint_optimum(by_factors, problem_t(osc, options, rpm), starts, found, error)
     call check_no_error(t, 'joint optimum', error)
     least = huge(least)
     do i = 0, amounts
@@ -279,13 +195,13 @@ contains
     call check_true(t, 'it has all speeds', all(found%best%failed == 0))
     ! Steps are halved from an eighth of the ranges down to 1/512 (`last_step`), in which nothing better was found.
     call check_close(t, 'no better one so near', found%within, 2.0_dp**(-9))
-    largest = maxval(found%best%worst%dynamic_factor)
+    largest = largest_value(found%best)
     call check_true(t, 'no design of the grid is better', largest < least + 1e-4_dp, str(largest)//' and '//str(least))
     call check_true(t, 'it is better than the grid', largest < least, str(largest)//' and '//str(least))
     call with_reliefs(osc, found%best%number, motion, error)
     call run_sweep(motion, rpm, options, sweep, error)
     do i = 1, 2
-      call check_close(t, 'what is told of a load', found%best%worst(i)%dynamic_factor, maxval(sweep%dynamic_factor(:, i)), &
+      call check_close(t, 'what is told of a load', found%best%of_load(i), maxval(sweep%dynamic_factor(:, i)), &
                        absolute=4e-5_dp)
     end do
   end subroutine joint_optimum
@@ -295,17 +211,18 @@ contains
   subroutine joint_optimum_of_a_case(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: rest = '&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 1.1 / '// &
-      '&load normal_force_n = 7000 / &mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400, 0, -110 '// &
+      '&mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400, 0, -110 '// &
       'base_pitch_mm = 10 / &dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 20000 rpm_step = 500 '// &
       'direction = ''each'' / &relief amount_um = '
-    character(*), parameter :: search = '&case tasks = ''optimum'' / '//rest//'0 / '
+    character(*), parameter :: loaded = '&load normal_force_n = 7000 / ', search = '&case tasks = ''optimum'' / '//rest//'0 / '
+    real(dp), parameter :: arm = 25*0.01_dp/(2*pi)         ! of the normal force: the base radius, m
     type(answer_t) :: one, length, both, swept
     real(dp) :: amount(2), start(2)
 
-    call ask(t, search, one)
+    call ask(t, search//loaded, one)
     call check_true(t, 'nothing that is not asked for', size(one%all_of('optimum_design.worst_dynamic_factor')) == 0)
-    call ask(t, search//'&optimum with_length = .true. /', length)
-    call ask(t, search//'&optimum with_length = .true. each_gear = .true. /', both)
+    call ask(t, search//loaded//'&optimum with_length = .true. /', length)
+    call ask(t, search//loaded//'&optimum with_length = .true. each_gear = .true. /', both)
     call check_true(t, 'length beside the amount', length%one('optimum_design.worst_dynamic_factor') < &
                     one%one('optimum.worst_dynamic_factor') + 1e-3_dp)
     call check_true(t, 'each gear by itself', both%one('optimum_design.worst_dynamic_factor') < &
@@ -315,16 +232,16 @@ contains
     call check_close(t, 'lengths of both', start(1) + start(2), 1.6_dp, 1e-12_dp)
     amount = [length%one('optimum_design.pinion_relief_um'), length%one('optimum_design.gear_relief_um')]
     call check_close(t, 'amounts of both', amount(1), amount(2), 1e-12_dp)
-    call ask(t, '&case tasks = ''sweep'' / '//rest//str(amount(1), 17)//' start = ''length'' length_mm = '// &
+    call ask(t, '&case tasks = ''sweep'' / '//loaded//rest//str(amount(1), 17)//' start = ''length'' length_mm = '// &
              str(10*start(2), 17)//' /', swept)
     call check_close(t, 'what a sweep says', maxval(swept%all_of('sweep.dynamic_factor')), &
                      length%one('optimum_design.worst_dynamic_factor'), absolute=3e-5_dp)
-    call ask(t, search//'&optimum load_factors = 0.5, 1, 1.5 /', both)
-    call check_true(t, 'three loads', size(both%all_of('optimum_loads.load_factor')) == 3)
+    call ask(t, search//'&load torques_nm = '//str(3500*arm, 17)//', '//str(7000*arm, 17)//', '//str(10500*arm, 17)//' /', both)
+    call check_true(t, 'three loads', size(both%all_of('optimum_loads.torque_nm')) == 3)
     call check_close(t, 'the largest of all loads', maxval(both%all_of('optimum_loads.worst_dynamic_factor')), &
-                     both%one('optimum_design.worst_dynamic_factor'), 1e-14_dp)
+                     both%one('optimum.worst_dynamic_factor'), 1e-14_dp)
     call told_with_loads(t, both)
-    call check_true(t, 'several loads ask for a compromise', both%one('optimum_design.worst_dynamic_factor') > &
+    call check_true(t, 'several loads ask for a compromise', both%one('optimum.worst_dynamic_factor') > &
                     one%one('optimum.worst_dynamic_factor'))
   end subroutine joint_optimum_of_a_case
 
@@ -333,17 +250,16 @@ contains
     type(tally_t), intent(inout) :: t
     type(answer_t), intent(in) :: answer         ! with several loads
     character(:), allocatable :: text
-    real(dp), allocatable :: load(:), factor(:)
+    real(dp), allocatable :: torque(:), factor(:)
     integer :: i
 
     text = report(answer%study)
-    load = answer%all_of('optimum_loads.load_factor')
+    torque = answer%all_of('optimum_loads.torque_nm')
     factor = answer%all_of('optimum_loads.worst_dynamic_factor')
-    do i = 1, size(load)
-      call check_true(t, 'told with its load', index(text, 'under '//str(load(i))//' times the load of the case: worst DF '// &
-                                                     fixed(factor(i), 4)) > 0)
+    do i = 1, size(torque)
+      call check_true(t, 'with its load', index(text, '   '//str(torque(i))//' N m: worst DF '//fixed(factor(i), 4)) > 0)
     end do
-    call check_true(t, 'and that of one amount', index(text, ', under the load of the case') > 0)
+    call check_true(t, 'and all together', index(text, 'worst over torques '//str(torque(1))//', ') > 0)
   end subroutine told_with_loads
 
   !> Reliefs that begin at the pitch point do so at the reference diameters of gears without profile shift: 3 mm times 21 and 34.

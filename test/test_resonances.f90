@@ -2,15 +2,15 @@
 !> These tests matter most as released: an optimiser once took the two sides of a maximum for one.
 module test_resonances
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_error, only: error_t
-  use gearsweep_files, only: read_text
-  use gearsweep_kinds, only: dp
-  use gearsweep_optimum, only: find_resonances, peak_t
-  use gearsweep_study, only: study_t, run_study
-  use gearsweep_tables, only: column_of
-  use gearsweep_text, only: str
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_base_error, only: error_t
+  use gearsweep_study_run_files, only: read_text
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_motion_optimum, only: find_resonances, peak_t
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_api_tables, only: column_of
+  use gearsweep_base_text, only: str
   use random_numbers, only: random_t
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none

@@ -2,14 +2,13 @@
 !> between the numbers, differences of motions that are solved each by itself, and places where there is no derivative.
 module test_sensitivity
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_difference, only: difference_t, make_difference
-  use gearsweep_error, only: error_t
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_sensitivity, only: amplitude_slopes, slopes_t
-  use gearsweep_table, only: table_t
-  use gearsweep_tables, only: make_table
-  use gearsweep_text, only: str
-  use quantities, only: answer_t, ask
+  use gearsweep_nonlinear_sensitivity, only: amplitude_slopes, difference_t, make_difference, slopes_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_base_table, only: table_t
+  use gearsweep_api_tables, only: make_table
+  use gearsweep_base_text, only: str
+  use ask_by_name, only: answer_t, ask
   use testing, only: check_close, check_true, tally_t
   implicit none
   private

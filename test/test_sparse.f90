@@ -1,10 +1,10 @@
 !> Sparse factorisation by MUMPS and eigenvalues by ARPACK, against dense products and LAPACK's dense solver.
 module test_sparse
-  use gearsweep_arpack, only: lowest_eigenpairs, pencil_t, residual_of
-  use gearsweep_error, only: code_memory, code_numerical, error_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_sparse, only: factor, sparse_t
-  use gearsweep_text, only: str
+  use gearsweep_base_arpack, only: lowest_eigenpairs, pencil_t, residual_of
+  use gearsweep_base_error, only: code_memory, code_numerical, error_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_base_sparse, only: factor, sparse_t
+  use gearsweep_base_text, only: str
   use testing, only: tally_t, check_close, check_equal, check_error, check_no_error, check_true
   implicit none
   private

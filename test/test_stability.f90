@@ -1,14 +1,13 @@
 !> Stability over speed and damping: closed forms, identities, and the sweep's own multipliers.
 module test_stability
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_oscillator, only: mesh_period, oscillator_t, make_oscillator
-  use gearsweep_stability, only: stability_t, map_stability
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, contact_full
-  use gearsweep_tongues, only: tongue_t, find_tongues
-  use gearsweep_error, only: error_t
-  use gearsweep_piecewise, only: polynomial
-  use gearsweep_text, only: str
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_nonlinear_stability, only: find_tongues, map_stability, stability_t, tongue_t
+  use gearsweep_motion_sweep, only: contact_full, each, run_sweep, sweep_options_t, sweep_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_piecewise, only: polynomial
+  use gearsweep_base_text, only: str
   use reference_rows, only: next_row, prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none

@@ -1,19 +1,19 @@
 !> Sweeps, resonances and the optimum relief; the published dynamic factors.
 module test_sweep
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_kinds, only: dp
-  use gearsweep_error, only: error_t, code_memory
-  use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: read_case
-  use gearsweep_files, only: read_text
-  use gearsweep_optimum, only: find_resonances, peak_t, worst_of
-  use gearsweep_oscillator, only: oscillator_t, make_oscillator
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down, both, contact_full, contact_lost
-  use gearsweep_tables, only: column_of
-  use gearsweep_transient, only: by_marching
-  use gearsweep_status, only: has_result, status_ok
-  use gearsweep_study, only: study_t, run_study
-  use gearsweep_text, only: str
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_base_error, only: code_memory, error_t
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_api_case_reader, only: read_case
+  use gearsweep_study_run_files, only: read_text
+  use gearsweep_motion_optimum, only: find_resonances, peak_t, worst_of
+  use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_motion_sweep, only: both, contact_full, contact_lost, down, each, run_sweep, sweep_options_t, sweep_t, up
+  use gearsweep_api_tables, only: column_of
+  use gearsweep_motion_transient, only: by_marching
+  use gearsweep_motion_steady_motion, only: has_result, status_ok
+  use gearsweep_study_run_study, only: run_study, study_t
+  use gearsweep_base_text, only: str
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_error, check_no_error
   implicit none

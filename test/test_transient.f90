@@ -1,21 +1,21 @@
 !> A tooth under a load that passes over it: closed forms of one mode, direct integration of all unknowns, the load at rest.
 module test_transient
-  use gearsweep_body, only: body_t
-  use gearsweep_compliance, only: flank_load
-  use gearsweep_error, only: error_t
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_mesh, only: mesh_t
-  use gearsweep_modal, only: modal_t, section_modes
-  use gearsweep_pair, only: pair_t
-  use gearsweep_passage, only: load_places, pass_path, pass_static, passage_options_t, passage_t, place_radius
-  use gearsweep_root_rating, only: root_options_t, shared_equally, shares_stated, spaced_on_flank
-  use gearsweep_section_body, only: make_two_grids, section_body_t, stress_error_share
-  use gearsweep_stress, only: root_stress, root_stress_t
-  use gearsweep_modal_superposition, only: advance_mode, load_history_t, modal_model_t, motion_record_t, superpose
-  use gearsweep_text, only: str
-  use gearsweep_tooth_modes, only: along, find_tooth_modes, moved_y, per_point, tooth_modes_t
-  use gearsweep_tooth_transient, only: damp_modes, damping_t, follow_tooth, look_t, tooth_transient_t
+  use gearsweep_elastic_body, only: body_t
+  use gearsweep_elastic_compliance, only: flank_load
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_mesh_mesh, only: mesh_t
+  use gearsweep_elastic_modes, only: modal_t, section_modes
+  use gearsweep_gear_pair, only: pair_t
+  use gearsweep_rating_passage, only: load_places, pass_path, pass_static, passage_options_t, passage_t, place_radius
+  use gearsweep_rating_root_rating, only: root_options_t, shared_equally, shares_stated, spaced_on_flank
+  use gearsweep_elastic_section, only: make_two_grids, section_body_t, stress_error_share
+  use gearsweep_elastic_stress, only: root_stress, root_stress_t
+  use gearsweep_elastic_modal_response, only: advance_mode, load_history_t, modal_model_t, motion_record_t, superpose
+  use gearsweep_base_text, only: str
+  use gearsweep_elastic_tooth_modes, only: along, find_tooth_modes, moved_y, per_point, tooth_modes_t
+  use gearsweep_rating_tooth_transient, only: damp_modes, damping_t, follow_tooth, look_t, tooth_transient_t
   use hassan_gears, only: hassan_gear, hassan_options, hassan_pair
   use testing, only: check_close, check_error, check_no_error, check_true, tally_t
   implicit none

@@ -45,6 +45,7 @@ same_bits() {
 check 'the wheel is built' sh "$root/app/wheel.sh" "$work"
 check 'it is for many systems, and unpacks' unpack
 check 'it needs nothing else' nothing_else
+check 'it has the licences of what it contains' sh -c "ls '$work'/unpacked/gearsweep-*.dist-info/licenses/NOTICE"
 check 'the same bits as the package' same_bits
 is_usage() { sh "$root/app/wheel.sh" "$@"; [ $? = 2 ]; }
 check 'the wheel wants a folder' is_usage

@@ -3,9 +3,9 @@ module testing
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int64, output_unit
-  use gearsweep_error, only: error_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_text, only: str
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_base_text, only: str
   implicit none
   private
   public :: tally_t, suite_t, suite_i

@@ -1,13 +1,12 @@
 !> A whole body of equal sectors assembled from turned copies of one, node by node in x, y and z, without nodal diameters:
-!> what gearsweep_cyclic is set beside. Its elements' matrices and the eigenvalue iteration are the library's.
+!> what gearsweep_body_modes_cyclic is set beside. Its elements' matrices and the eigenvalue iteration are the library's.
 module whole_bodies
-  use gearsweep_arpack, only: lowest_eigenpairs, pencil_t
-  use gearsweep_error, only: error_t
-  use gearsweep_h20, only: brick_matrices, brick_nodes
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_sector, only: sector_t
-  use gearsweep_sparse, only: factor, sparse_t
+  use gearsweep_base_arpack, only: lowest_eigenpairs, pencil_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_body_modes_sector, only: brick_matrices, brick_nodes, sector_t
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_base_sparse, only: factor, sparse_t
   implicit none
   private
   public :: whole_frequencies

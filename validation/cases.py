@@ -24,7 +24,7 @@ VARIANTS = {
     'friction-0.05': {'dynamics': {'friction': 0.05}},
     'whole': {'section': {'teeth': 60, 'rim_mm': None, 'fixed': 'rim', 'plane': 'stress', 'elements_across': 16},
               'modal': {'modes': 1}},
-    'gear': {'section': {'member': 'gear'}},
+    'gear': {'section': {'gear': 'gear'}},
     # FZG C14: 14 mm wide, tips shortened by what the profile shifts exceed the widened centre distance.
     'c14': {'pair': {'face_width_mm': 14}, 'pinion': {'addendum': 0.980133}, 'gear': {'addendum': 0.980133},
             'load': {'torque_nm': 200},
@@ -50,8 +50,6 @@ VARIANTS = {
     'rack-tip-0.25': {'pinion': {'rack_tip_radius': 0.25}, 'gear': {'rack_tip_radius': 0.25}},
     'rack-tip-0.38': {'pinion': {'rack_tip_radius': 0.38}, 'gear': {'rack_tip_radius': 0.38}},
     'coarse': {'section': {'elements_across': 6}},
-    'tangent-20-deg': {'static': {'tangent_deg': 20}},
-    'tangent-30-deg': {'static': {'tangent_deg': 30}},
 }
 
 # Pressure angles of the loaded flanks and of the others, as Karpat et al. compare them.

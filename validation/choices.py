@@ -20,8 +20,9 @@ RATIOS = (0.17, 0.1, 0.07, 0.03)
 #: Through all resonances of the pair.
 SPEEDS = {'rpm_first': 1000, 'rpm_last': 26000, 'rpm_step': 100}
 BODIES = {
-    'three teeth, sides and rim held (the default)': {},
-    'whole gears on bores of 20 and 40 mm': {'section': {'teeth': 0, 'fixed': 'rim'}, 'pinion': {'bore_mm': 20}, 'gear': {'bore_mm': 40}},
+    'whole gears on assumed bores of 21 and 34 mm (the default)': {},
+    'whole gears on bores of 20 and 40 mm': {'pinion': {'bore_mm': 20}, 'gear': {'bore_mm': 40}},
+    'three teeth, sides and rim held': {'section': {'teeth': 3, 'fixed': ('sides', 'rim')}},
     'rims of 6 mm, sides held': {'section': {'teeth': 5, 'fixed': 'sides', 'rim_mm': 6}},
 }
 

@@ -1,16 +1,18 @@
 """What doc/ says in numbers, computed anew for claims.csv."""
 
 import functools
+import math
 import re
 
 import numpy as np
 
 import gearsweep
 
-from . import dogan2021, hassan2009, ledger, quantities, thamba2020
-from .cases import case, given, result, run
+from . import choices, dogan2021, hassan2009, ledger, life_factors, quantities, thamba2020
+from .cases import ANGLES, case, given, result, run
 
 ACROSS = 32  # the finest grid of doc/elastic.md
+PLACES = (0, 0.29, 0.81)  # where it compares grids, base pitches from A
 REFERENCE = ledger.FOLDER.parent / 'test' / 'reference'
 
 
@@ -19,7 +21,7 @@ REFERENCE = ledger.FOLDER.parent / 'test' / 'reference'
 def stiffness_on(across):
     """Pair stiffness of case 1 at A, s = 0.29 and 0.81, N/um, with so many elements across a tooth."""
     s, stiffness = _stiffness(across)
-    return list(np.interp((0, 0.29, 0.81), s, stiffness))
+    return list(np.interp(PLACES, s, stiffness))
 
 
 def stiffest():
@@ -101,8 +103,8 @@ def hub(bore, ratio):
     mass, whole, rigid = next((row[2], row[4], row[5]) for row in rows if (2 * row[0], row[3]) == (bore, ratio))
     mass *= given('case1', 'pair', 'face_width_mm')
     base = 0.5e-3 * given('case1', 'pinion', 'teeth') * given('case1', 'pair', 'module_mm') * np.cos(np.radians(20))
-    member = {'bore_mm': bore, 'effective_mass_kg': mass}
-    plain, with_hub = (run(case('case1').changed(section={'teeth': 25, 'fixed': 'rim'}, pinion=member | added, gear=member | added,
+    body = {'bore_mm': bore, 'effective_mass_kg': mass}
+    plain, with_hub = (run(case('case1').changed(section={'teeth': 25, 'fixed': 'rim'}, pinion=body | added, gear=body | added,
                                                  relief={'amount_um': 0}, mesh={'tooth_coupling': True}), 'mesh').motion
                        for added in ({}, {'hub_inertia_kgm2': ratio * mass * base**2}))
     alone = plain.natural_frequency_hz / np.sqrt(1 + ratio)
@@ -176,10 +178,10 @@ def _stiffness(across):
 
 @functools.cache
 def _hassan(across):
-    return run(case('hassan').changed(section={'elements_across': across}), ('static', 'modal', 'section'))
+    return run(case('hassan').changed(section={'elements_across': across}), ('static', 'modal'))
 
 
-# What README.md takes from the tables of doc/performance.md
+# What README.md and doc/accuracy.md take from bench/measured
 
 def sweep_ms():
     """Points of the sweep of case 1, and its time within the error, in ms: as released, built for the processor."""
@@ -191,19 +193,19 @@ def sweep_ms():
 
 def ten_modes():
     """Unknowns and seconds of the last grid, and how many times as long the peers take."""
-    text = _performance().partition('**Ten modes on the same grid.**')[2].partition('\n**')[0]
+    text = _measured('elastic').partition('**Ten modes on the same grid.**')[2].partition('\n**')[0]
     last = re.findall(r'^\| (\d+) \| \d+ \| gearsweep \|.*?\| ([\d.]+) \|  \|  \|\n((?:\|  \|.*\n){3})', text, flags=re.MULTILINE)[-1]
     peers = [float(line.split('|')[-3]) for line in last[2].splitlines()]
     return [float(last[0]), float(last[1]), *peers]
 
 
-def _performance():
-    return (REFERENCE.parents[1] / 'doc' / 'performance.md').read_text(encoding='utf-8')
+def _measured(name):
+    return (REFERENCE.parents[1] / 'bench' / 'measured' / f'{name}.md').read_text(encoding='utf-8')
 
 
 def _row(begin):
     """The first row of a table that begins so, as numbers where it has them."""
-    cells = re.search(rf'^\| {begin}.*$', _performance(), flags=re.MULTILINE)[0].strip('|').split('|')
+    cells = re.search(rf'^\| {begin}.*$', _measured('dynamics'), flags=re.MULTILINE)[0].strip('|').split('|')
     return [float(cell) if re.fullmatch(r'[\d.e+-]+', cell.strip()) else cell for cell in map(str.strip, cells)]
 
 
@@ -219,15 +221,8 @@ def motions():
     return [len(loss), loss.count(0), len(loss) - loss.count(0)]
 
 
-def extreme_cases():
-    """Of test/extreme/cases.txt: all, and those that only another of them checks."""
-    text = (REFERENCE.parent / 'extreme' / 'cases.txt').read_text(encoding='utf-8')
-    rows = [line.split('|') for line in text.splitlines() if line.count('|') == 7 and line[0] != '#']
-    return [len(rows), sum(row[5].strip().startswith('=') for row in rows)]
-
-
 def prescribed():
-    """The prescribed mesh of doc/limits.md: mean stiffness, N/um, natural frequency, Hz, and its speed, 1/min."""
+    """The prescribed mesh of test/extreme: mean stiffness, N/um, natural frequency, Hz, and its speed, 1/min."""
     motion = run(gearsweep.Case(_prescribed()), 'mesh').motion
     return [motion.mean_mesh_stiffness_n_um, motion.natural_frequency_hz, motion.resonance_rpm]
 
@@ -253,11 +248,6 @@ def disc_over_printed():
     return 100 * (thamba2020.disc_deflection() / printed_of('thamba2020', 'deformation_involute_pitch') - 1)
 
 
-def tip_over_base():
-    """Of Hassan's pinion, mm."""
-    return quantities.radius('hassan', 1, 'tip') - quantities.radius('hassan', 1, 'base')
-
-
 def signed_alpha():
     """Hassan's alpha with its sign, by frequencies in Hz."""
     return -hassan2009.rayleigh_alpha()
@@ -270,9 +260,22 @@ def printed_falls():
     return [min(falls), max(falls)]
 
 
-def least_difference():
-    """Of DF at 15 and at 18 um and 1600 rpm, case 1."""
-    return abs(dogan2021.factor('case1', 1600, 15) - dogan2021.factor('case1', 1600, 18))
+def resonances_above():
+    """By how many per cent the printed resonances of case 1 lie above ours: the least, the most."""
+    above = [100 * (printed_of('dogan2021', f'n{k}_1') / dogan2021.peak_rpm('case1', k) - 1) for k in (1, 2)]
+    return [min(above), max(above)]
+
+
+def papers():
+    """Of the ledger."""
+    return len(ledger.PAPERS)
+
+
+def agreement(sort):
+    """Of doc/validation.md: results of this sort within their tolerances, and all results of it."""
+    text = (REFERENCE.parents[1] / 'doc' / 'validation.md').read_text(encoding='utf-8')
+    results, stated, inferred = map(int, re.search(rf'^\| {sort.replace("_", " ")} \| (\d+) \| (\d+) \| (\d+) \|', text, re.MULTILINE).groups())
+    return [stated + inferred, results]
 
 
 def one_range(of, first, last):
@@ -284,8 +287,8 @@ def one_range(of, first, last):
 # Dynamics
 
 def poisson_high():
-    """By how much the first mode of the row "Poisson 0.4999, plane strain" of doc/limits.md lies off, per cent."""
-    text = (REFERENCE.parents[1] / 'doc' / 'limits.md').read_text(encoding='utf-8')
+    """By how much the first mode of the row "Poisson 0.4999, plane strain" of test/extreme/table.md lies off, per cent."""
+    text = (REFERENCE.parent / 'extreme' / 'table.md').read_text(encoding='utf-8')
     return 100 * float(re.search(r'\| Poisson 0\.4999, plane strain \|.*\| (\S+) \| elements \|', text)[1])
 
 
@@ -299,3 +302,579 @@ def thermal_contact():
                                              material={'density_kgm3': None}).complete()  # fmt: skip
     heat = [complete.get('flank', key) for key in ('conductivity_w_mk', 'specific_heat_j_kgk')]
     return (heat[0] * heat[1] * complete.get('material', 'density_kgm3'))**0.5 / 1000
+
+
+# Rating, choices, codes
+
+def material_row(material):
+    """Hardness of its surface, sigma_Hlim and sigma_Flim of the grades ml, mq and me, MPa."""
+    source = (REFERENCE.parents[1] / 'src/rating/gear_materials.f90').read_text(encoding='utf-8')
+    hardness = float(re.search(rf"gear_material_t\('{material}', (\d+)", source)[1])
+    tables = [run(case('case1').changed(mesh={'model': 'weber'}, section=dict.fromkeys(case('case1').values['section']), relief={'amount_um': 0},
+                                        rating={'rpm': 1000, 'material': material, 'material_grade': grade}), 'rating').rating_factors
+              for grade in ('ml', 'mq', 'me')]
+    return [hardness, *(table.contact_number_mpa[0] for table in tables), *(table.root_number_mpa[0] for table in tables)]
+
+
+def rack_row(profile):
+    """Addendum, dedendum and tip radius of a rack as the tables of doc/choices.md are computed with it."""
+    return list(choices.RACKS[profile])
+
+
+def code(name):
+    """An exit code by its name in the Python package."""
+    return int(gearsweep.Code[name])
+
+
+def parts_of(tree, words):
+    """How many public calls the C header declares, or other things that can be counted."""
+    text = (REFERENCE.parents[1] / tree).read_text(encoding='utf-8')
+    return len(re.findall(words, text, flags=re.MULTILINE))
+
+
+def singular_power(angle, clamped_free=False, poisson=0.3):
+    """The least power of the distance to which displacements go at a corner of this angle, deg, in plane strain (Williams 1952): free on both
+    sides, or held on one and free on the other."""
+    alpha = np.radians(angle)
+    kappa = 3 - 4 * poisson
+
+    def residual(power):
+        if clamped_free:
+            return np.sin(power * alpha)**2 - ((kappa + 1)**2 / (4 * kappa) - power**2 * np.sin(alpha)**2 / kappa)
+        return np.sin(power * alpha)**2 - (power * np.sin(alpha))**2
+
+    powers = np.linspace(0.3, 0.99, 6901)
+    values = residual(powers)
+    return powers[np.flatnonzero(values[:-1] * values[1:] < 0)[0]]
+
+
+def whole_source(path, pattern):
+    """A number of a file of the source, by the words around it with blanks as underscores."""
+    text = (REFERENCE.parents[1] / path).read_text(encoding='utf-8')
+    return float(re.findall(pattern, text)[0].replace('_dp', ''))
+
+
+def normal_within(deviations):
+    """Per cent of a normal distribution within so many standard deviations."""
+    return 100 * math.erf(deviations / math.sqrt(2))
+
+
+def runouts_within():
+    """Per cent of the run-outs drawn that are within F_r: both parts of the eccentricity are normal."""
+    return 100 * (1 - whole_source('src/mesh/flank_deviations.f90', r'sqrt\(-2\*log\((0\.\d+_dp)\)'))
+
+
+def per_cent(path, pattern):
+    return 100 * whole_source(path, pattern)
+
+
+def one_over(path, pattern):
+    return 1 / whole_source(path, pattern)
+
+
+def bandwidths():
+    """To either side of a mode in which its resonance is looked for."""
+    path = 'src/elastic/modal_response.f90'
+    return whole_source(path, r'scan = (\d+)') * whole_source(path, r'step = (0\.\d+)')
+
+
+def resolving():
+    """How many frequencies lie within the bandwidth of a mode, to both sides, and how far the others go, in bandwidths."""
+    text = (REFERENCE.parents[1] / 'src/elastic/modal_response.f90').read_text(encoding='utf-8')
+    places = [float(number) for number in re.findall(r'([\d.]+)_dp', re.search(r'one_side\(\*\) = \[([^]]*)\]', text)[1])]
+    return [2 * sum(place <= 0.5 for place in places), max(places)]
+
+
+def twice_power(angle, held=''):
+    """Order in which frequencies converge at a corner: twice the power of the displacements."""
+    return 2 * singular_power(angle, held)
+
+
+def most_gigabytes():
+    return 1e-9 * whole_source('src/elastic/material.f90', r'most_memory = (\S+)_dp')
+
+
+def stiffness_range():
+    """That the library accepts, N/um."""
+    path = 'src/mesh/stiffness.f90'
+    return [1e-6 * whole_source(path, rf'{end} = (\S+_dp)') for end in ('softest', 'stiffest')]
+
+
+def c_calls():
+    """Functions that the C header declares."""
+    return parts_of('include/gearsweep.h', r'^(?:int|void) gsc_\w+\(')
+
+
+def deep_end():
+    """Contact ratio at which the line of the deep tooth factor reaches its last value."""
+    path = 'src/rating/form.f90'
+    first, slope, last = (whole_source(path, pattern) for pattern in (r'([\d.]+)_dp - 0\.\d+_dp\*contact_ratio', r' - (0\.\d+)_dp\*contact_ratio', r'max\((0\.\d+)_dp, min'))
+    return (first - last) / slope
+
+
+def deep_teeth():
+    """From which contact ratio, and up to which grade, teeth count as deep."""
+    path = 'src/rating/form.f90'
+    return [whole_source(path, r'contact_ratio > ([\d.]+)_dp .and. grade'), whole_source(path, r'coarsest = (\d)')]
+
+
+def step_growth():
+    """Exponents by which graded steps may grow and do: the sixth order of the method, and the one of the source."""
+    order = whole_source('src/motion/gauss.f90', r'order = (\d)')
+    return [order, whole_source('src/motion/coefficients.f90', r'slower = 1/([\d.]+)_dp')]
+
+
+def doubling_part():
+    """What Richardson's extrapolation takes of the difference to half the steps, at the method's order, and what the source takes."""
+    order = whole_source('src/motion/gauss.f90', r'order = (\d)')
+    return [2**order - 1, whole_source('src/motion/error_estimate.f90', r'doubling_error = raise\*max\(peak, raise\*state/4\)/(\d+)')]
+
+
+def order_of_method(name):
+    """In which a test finds that a method of the literature converges: whole, between its bounds."""
+    words = {'rk4': 'rk4: fourth order', 'rk4_equal': 'rk4_equal: first order', 'constant': 'constant: second order'}[name]
+    text = (REFERENCE.parent / 'test_methods.f90').read_text(encoding='utf-8')
+    least, largest = map(float, re.search(rf"'{words}', order\(\d\) > ([\d.]+)_dp .and. order\(\d\) < ([\d.]+)_dp", text).groups())
+    return next(whole for whole in range(10) if least < whole < largest)
+
+
+def orders_of_methods():
+    """Of Runge and Kutta's method in full contact, and where a step meets a break."""
+    return [order_of_method('rk4'), order_of_method('rk4_equal')]
+
+
+def softer_places():
+    """How much softer a pair with a corner is than without at A and where contact begins, per cent: as suite `elastic_corner` has it."""
+    text = (REFERENCE.parent / 'test_elastic_corner.f90').read_text(encoding='utf-8')
+    return [100 * float(number) for number in re.findall(r"softer\(\d+\), (0\.\d+)_dp", text)]
+
+
+def shorter_arm():
+    """By how much the lever arm is less where contact begins, per cent, as suite `tip_corner` has it."""
+    return 100 * (1 - whole_source('test/test_tip_corner.f90', r"'lever arm where contact begins', here%lever, (0\.\d+)_dp"))
+
+
+def stability_steps():
+    """Thousands and the rest of the most steps."""
+    return divmod(2**int(whole_source('src/nonlinear/stability.f90', r'most_steps = 2\*\*(\d+)')), 1000)
+
+
+def handle_bytes():
+    bits = whole_source('src/api/flat_calls.f90', r'integer\(int(\d+)\), intent\(inout\) :: study')
+    return bits / 8
+
+
+def spare_megabytes():
+    return 1e-3 * whole_source('test/test_memory.sh', r'least=\$\(\(least \+ (2\d+)\)\)')
+
+
+def blas_megabytes():
+    return whole_source('src/base/gearsweep_memory.c', r'blas_buffer = (\d+)\*1024\.0\*1024')
+
+
+def heap_megabytes():
+    return whole_source('src/base/gearsweep_team.c', r'heap = (\d+)\*1024\.0\*1024')
+
+
+def minor_versions():
+    """That of the library, and the one from which on calls do not change: app/install.sh."""
+    version = (REFERENCE.parents[1] / 'src/base/version.f90').read_text(encoding='utf-8')
+    return [float(re.search(r"'(\d+\.\d+)\.\d+'", version)[1]), whole_source('app/install.sh', r'Before (\d+\.\d+) each minor')]
+
+
+def slow_periods():
+    """Thousands and the rest of the mesh periods of the slowest march in slow_sweeps.dat."""
+    lines = (REFERENCE / 'slow_sweeps.dat').read_text(encoding='utf-8').splitlines()
+    return divmod(max(int(line.split()[1]) for line in lines if line.startswith('0.')), 1000)
+
+
+def delay_power():
+    """Of the rate, with which the delay grows: 8 times the rate made it 4 times as long in suite `bifurcations`."""
+    text = (REFERENCE.parent / 'test_bifurcations.f90').read_text(encoding='utf-8')
+    times = float(re.search(r"'(\d) times the speed', behind\(2\)/behind\(1\)", text)[1])
+    return [round(3 * math.log(times) / math.log(8)), 3]
+
+
+def natural_radians(rpm):
+    """By which the natural motion of the prescribed mesh, with two pairs and with one, turns in a mesh period at so many 1/min."""
+    get = gearsweep.Case(_prescribed()).get
+    masses = [get(gear, 'effective_mass_kg') for gear in ('pinion', 'gear')]
+    ratio, stiffness = get('mesh', 'contact_ratio'), 1e6 * get('mesh', 'coefficients')
+    of_one, of_two = (math.sqrt(pairs * stiffness * sum(masses) / math.prod(masses)) for pairs in (1, 2))
+    return 60 / (float(rpm) * get('pinion', 'teeth')) * ((2 - ratio) * of_one + (ratio - 1) * of_two)
+
+
+def pages_of_extremes():
+    """The slowest speed, 1/min, and the heaviest damping that test/extreme/cases.txt has an answer for."""
+    text = (REFERENCE.parent / 'extreme' / 'cases.txt').read_text(encoding='utf-8')
+    of = [[float(number) for number in re.findall(pattern, text, flags=re.MULTILINE)]
+          for pattern in (r'^[^|]*\| prescribed \| rpm = ([\d.e+-]*\d) \| df \| ok', r'damping_ratio = ([\d.e+-]*\d)[^|]*\| df \| ok')]
+    return [min(of[0]), max(of[1])]
+
+
+def unbounded():
+    """Static deflections that a motion passes where it has no bound, and the damping ratio below which it is the reciprocal of that."""
+    ratio = whole_source('src/motion/periodic_orbit.f90', r'most = (1e-4)_dp +! damping ratios')
+    return [1 / ratio, ratio]
+
+
+def places_on_path():
+    """Where the grids are compared, base pitches, and the finest of them."""
+    return [*PLACES[1:], ACROSS]
+
+
+def contact_ratio_apart(name):
+    """Of a pair of the analysis apart, test/reference/load_distribution.dat, and how far we are off its transmission error, per cent."""
+    text = (REFERENCE / 'load_distribution.dat').read_text(encoding='utf-8')
+    ratio = next(float(line.split()[11]) for line in text.splitlines() if line.startswith(f'= {name} '))
+    test = (REFERENCE.parents[1] / 'python/tests/mechanics/test_load_distribution.py').read_text(encoding='utf-8')
+    return [ratio, 100 * float(re.search(rf"\(\('{name}',.*?set\(\), (0\.\d+),", test)[1])]
+
+
+def most_arguments():
+    """Of a procedure of the library, but for the reader's, ARPACK's, those that run a study and the calls of other languages."""
+    most = 0
+    for path in (REFERENCE.parents[1] / 'src').rglob('*.f90'):
+        if path.parent.name in ('reader', 'api') or path.stem in ('arpack', 'study'):
+            continue
+        text = re.sub(r'&\s*\n\s*&?', '', path.read_text(encoding='utf-8'))
+        for arguments in re.findall(r'(?im)^(?!\s*end)[^!\'"\n]*\b(?:subroutine|function)\s+\w+\s*\(([^)]*)\)', text):
+            most = max(most, len([name for name in arguments.split(',') if name.strip()]))
+    return most
+
+
+def longest_file():
+    """Lines of the longest file of src and app, to the next hundred."""
+    lines = [path.read_text(encoding='utf-8').count('\n') for folder in ('src', 'app') for path in (REFERENCE.parents[1] / folder).rglob('*.f90')]
+    return 100 * math.ceil(max(lines) / 100)
+
+
+# Examples and interfaces
+
+def reliefs_of(name):
+    """How many reliefs a case lists."""
+    return len(case(name).get('relief', 'amount_um'))
+
+
+def _first():
+    return gearsweep.Case.read(REFERENCE.parents[1] / 'examples' / 'first.nml')
+
+
+def example_lines():
+    """Lines of the case of examples, of the shortest and the longest program there, and how many languages they are in."""
+    lengths = {path.suffix: path.read_text(encoding='utf-8').count('\n') for path in (REFERENCE.parents[1] / 'examples').glob('first.*')}
+    case_lines = lengths.pop('.nml')
+    return [case_lines, min(lengths.values()), max(lengths.values()), len(lengths)]
+
+
+def example_languages():
+    return example_lines()[-1]
+
+
+def first_case():
+    of = _first()
+    keys = ('pair', 'module_mm'), ('pair', 'face_width_mm'), ('pinion', 'teeth'), ('gear', 'teeth'), ('load', 'torque_nm')
+    return [*(of.get(*key) for key in keys), *of.get('relief', 'amount_um'), *(of.get('sweep', key) for key in ('rpm_first', 'rpm_last', 'rpm_step'))]
+
+
+def first_reliefs():
+    return len(_first().get('relief', 'amount_um'))
+
+
+def first_worst():
+    """What the examples print: relief, worst dynamic factor and its speed."""
+    table = gearsweep.run(_first()).sweep_worst
+    return [number for row in zip(table.relief_um, table.worst_dynamic_factor, table.rpm) for number in row]
+
+
+def column_kinds():
+    text = (REFERENCE.parents[1] / 'src/base/table.f90').read_text(encoding='utf-8')
+    return list(re.search(r'kind_real = (\d), kind_integer = (\d), kind_text = (\d)', text).groups())
+
+
+def first_row():
+    """The number of the first row for gsc_text, as the callers of test/callers begin their loops."""
+    return whole_source('test/callers/results.c', r'for \(row = (\d); word')
+
+
+def asymmetric_pairs():
+    return len(ANGLES)
+
+
+def closing_damping():
+    """Where the tongue of doc/nonlinear.md closes, as its lines of Python print it."""
+    text = (REFERENCE.parents[1] / 'doc/nonlinear.md').read_text(encoding='utf-8')
+    return float(re.search(r'\n(0\.0\d{3})\n', text)[1])
+
+
+def bifurcation_reference():
+    """Mesh periods and digits of test/reference/make_bifurcations.py."""
+    rows = [line.split() for line in (REFERENCE / 'bifurcations.dat').read_text(encoding='utf-8').splitlines() if line and line[0] not in '#=']
+    periods = max(int(word) for row in rows for word in row if word in '1248')
+    return [periods, whole_source('test/reference/make_bifurcations.py', r'mpmath\.mp\.dps = (\d+)')]
+
+
+def minor_version():
+    return minor_versions()[0]
+
+
+def bench_problems():
+    """Problems of the benchmark, of which one is a single operating point."""
+    return len([path for path in (REFERENCE.parents[1] / 'bench/problems').glob('*.nml') if path.stem != 'point'])
+
+
+def methods():
+    """Words of &numerics method."""
+    return len(next(key['words'] for key in gearsweep.core.library.declared()['keys'] if (key['group'], key['name']) == ('numerics', 'method')))
+
+
+def difference_places():
+    """Of the formula of the highest order."""
+    words = {'seven': 7}
+    return words[re.search(r'sixth order over (\w+) places', (REFERENCE.parents[1] / 'src/nonlinear/sensitivity.f90').read_text(encoding='utf-8'))[1]]
+
+
+def difference_formula():
+    """Order of a central difference over so many places, and how many are to each side."""
+    places = difference_places()
+    return [places - 1, (places - 1) // 2]
+
+
+def sensitivity_closeness():
+    """By how much a number is changed: phase of the natural motion, rad, and state, static deflections."""
+    return 2 * [whole_source('src/nonlinear/sensitivity.f90', r'closeness = (\S+)_dp')]
+
+
+# Numbers that a page takes from its own blocks, which other tests hold
+
+def shown(page, pattern):
+    """Numbers of what a page shows of a program's answer."""
+    text = (REFERENCE.parents[1] / 'doc' / f'{page}.md').read_text(encoding='utf-8')
+    found = re.search(pattern, text, flags=re.MULTILINE)
+    return [float(number) for number in found.groups()]
+
+
+def as_built_shown():
+    """Of the second example of doc/as_built.md: class, pairs of gears; nominal with 8 um, median there; what the errors add without relief, with 8 um."""
+    rows = {0: shown('as_built', r'^ +0 +([\d.]+) +[\d.]+ +(1\.4165)'), 8: shown('as_built', r'^ +8 +([\d.]+) +[\d.]+ +(1\.3699)')}
+    pairs = shown('as_built', r'pairs of gears: (20), ')
+    return [rows[8][0], *pairs, rows[8][1], rows[0][1] - rows[0][0], rows[8][1] - rows[8][0]]
+
+
+def quick_beyond():
+    """Dynamic factors found both ways, how many differ by more than 1e-3, and the largest difference: bench/measured/as_built.md."""
+    rows = re.findall(r'^\| \d \| (\d+) \| ([\d.e-]+) \| (\d+) \|$', (REFERENCE.parents[1] / 'bench/measured/as_built.md').read_text(encoding='utf-8'), flags=re.MULTILINE)
+    return [sum(int(row[0]) for row in rows), sum(int(row[2]) for row in rows), max(float(row[1]) for row in rows)]
+
+
+def names_of(material):
+    """Digits of its common names, in the order of the source."""
+    text = (REFERENCE.parents[1] / 'src/rating/gear_materials.f90').read_text(encoding='utf-8')
+    return [float(number) for name in re.findall(rf"common_name_t\('([^']*)', '{material}'\)", text) for number in re.findall(r'\d+', name)]
+
+
+def default(group, key):
+    """What the library declares for a key."""
+    return float(next(one['default'] for one in gearsweep.core.library.declared()['keys'] if (one['group'], one['name']) == (group, key)))
+
+
+def printed_damping():
+    """Of the first mode by the alpha and beta that Hassan et al. print, per cent."""
+    alpha, beta = case('hassan_transient').get('transient', 'rayleigh_alpha_1_s'), case('hassan_transient').get('transient', 'rayleigh_beta_s')
+    omega = printed_of('hassan2009', 'mode_1_rad_s')
+    return 100 * (alpha / omega + beta * omega) / 2
+
+
+def hassan_ratio():
+    return quantities.contact_ratio('hassan')
+
+
+def hassan_given(group, key):
+    value = case('hassan_transient').get(group, key)
+    return len(value) if isinstance(value, tuple) else value
+
+
+def mean_stress_sensitivity():
+    """M of ISO 6336-3, Annex B, three times, and the factor of an idler, whose stress swings to minus 1.2 times the largest: as the standard rounds it."""
+    m = whole_source('src/rating/root_life.f90', r'sensitivity = (0\.\d)_dp')
+    return [m, 1 + m, m]
+
+
+def body_bench(sector):
+    """A row of bench/measured/body_modes.csv."""
+    rows = [line.split(',') for line in (REFERENCE.parents[1] / 'bench/measured/body_modes.csv').read_text(encoding='utf-8').splitlines()[2:]]
+    return [float(cell) for row in rows if row[0] == str(sector) for cell in row[1:]]
+
+
+def many_bench(row):
+    """A row of bench/measured/many.csv."""
+    rows = [line.split(',') for line in (REFERENCE.parents[1] / 'bench/measured/many.csv').read_text(encoding='utf-8').splitlines()[2:]]
+    return [float(cell) for cell in rows[row][2:]]
+
+
+def billion():
+    """For 1e9 motions: millions of variants, hours and minutes of 1 and 64 workers, blocks, minutes of the calling process, files and arrays."""
+    speeds, ms, size, calling = 327, 2.2, 4096, 0.07
+    variants = 1e9 / speeds
+    blocks = variants / size
+    return [1e-6 * variants, ms * 1e-3 * variants / 3600, blocks, calling * 1e-3 * variants / 60, blocks * 5]
+
+
+def as_built_three():
+    return as_built_shown()[:3]
+
+
+def as_built_adds():
+    return as_built_shown()[3:]
+
+
+def few_starts():
+    """Starts of a motion as built: pairs of displacement and velocity."""
+    return len(_few_starts())
+
+
+def start_sizes():
+    """Least and largest distance of those beside rest from it, static deflections."""
+    sizes = [float(np.hypot(*pair)) for pair in _few_starts()]
+    return [round(min(size for size in sizes if size)), round(max(sizes))]
+
+
+def _few_starts():
+    text = (REFERENCE.parents[1] / 'src/motion/search.f90').read_text(encoding='utf-8')
+    numbers = [float(number) for number in re.findall(r'-?[\d.]+(?=_dp)', re.search(r'few_starts\(2, \d+\) = reshape\( &\n *\[([^]]*)\]', text)[1])]
+    return list(zip(numbers[::2], numbers[1::2], strict=True))
+
+
+def attractor_starts():
+    return default('attractors', 'starts')**2
+
+
+def thamba_teeth():
+    return given('thamba', 'pinion', 'teeth')
+
+
+def racks_listed():
+    return len(choices.RACKS)
+
+
+def tried_ratios():
+    """Least and largest damping ratio of the table."""
+    return [min(choices.RATIOS), max(choices.RATIOS)]
+
+
+def least_ratios():
+    """The two least damping ratios of the table."""
+    return sorted(choices.RATIOS)[:2]
+
+
+def mean_sensitivity():
+    """M of ISO 6336-3, Annex B, as the library has it."""
+    return whole_source('src/rating/root_life.f90', r'sensitivity = (0\.\d)_dp')
+
+
+def stress_from_zero():
+    """Twice the amplitude of a cycle from zero with the life of one with amplitude sigma_a and mean sigma_m: 2, M and 1 + M."""
+    return [2, mean_sensitivity(), 1 + mean_sensitivity()]
+
+
+def idler_factor():
+    """Of a stress that swings as far to both sides: over that of one from zero, 1/(1 + M)."""
+    return round(1 / (1 + mean_sensitivity()), 1)
+
+
+def life_end():
+    return result_of_rating('long_life_factor')
+
+
+def life_last():
+    return result_of_rating('last_cycles')
+
+
+def result_of_rating(column):
+    """Of a case without keys for it."""
+    study = run(case('case1').changed(mesh={'model': 'weber'}, section=dict.fromkeys(case('case1').values['section']), relief={'amount_um': 0},
+                                      rating={'rpm': 1000, 'material': 'C45'}), 'rating')
+    return study.rating_factors[column][0]
+
+
+def rated_materials():
+    return len(life_factors.materials())
+
+
+def hassan_tangent():
+    tangents = np.atleast_1d(case('hassan_transient').get('transient', 'tangent_deg'))
+    return float(tangents[-1]) if len(tangents) > 1 else float(tangents[0])
+
+
+def hassan_modes():
+    of = case('hassan_transient')
+    return [of.get('transient', 'modes'), len(of.get('transient', 'shares'))]
+
+
+def many_shown():
+    """Of the first example of doc/many.md: quantile, variants, its band."""
+    value, lower, upper = shown('many', r'^([\d.]+) \(([\d.]+) to ([\d.]+)\)$')
+    return [value, *shown('many', r"^\{'ok': (\d+)\}$"), lower, upper]
+
+
+def billion_part(at):
+    return billion()[at]
+
+
+def needed_draws():
+    """For an upper end of the band of a 95 % quantile with a confidence of 95 %, two-sided: the largest of n lies above it."""
+    n = 1
+    while 0.95**n > 0.025:
+        n += 1
+    return n
+
+
+def secant_part():
+    """By how many per cent the secant of a pair under its whole load is stiffer than that under half of it: c F K log 2 with Hertz's slope."""
+    flattening = 2 * (1 - 0.3**2) / (math.pi * 206e3) / given('case1', 'pair', 'face_width_mm')    # mm/N
+    stiffness = np.interp(_at_half(), *_stiffness(16)) * 1e3
+    return 100 * flattening * stiffness * math.log(2)
+
+
+def _at_half():
+    """In the middle of the path where two pairs touch, base pitches from A."""
+    return (result('geometry', 'case1').contact_ratio - 1) / 2
+
+
+def listed_maxima():
+    return 2 * [whole_source('src/motion/optimum.f90', r'integer, parameter :: most = (\d)')]
+
+
+def mutants(room):
+    """Mutants of a room, or of all of a day: made, killed, explained, survived, killed in per cent: tools/mutation/measured.csv."""
+    lines = (REFERENCE.parents[1] / 'tools' / 'mutation' / 'measured.csv').read_text(encoding='utf-8').splitlines()[2:]
+    rows = [[int(cell) for cell in line.split(',')[2:]] for line in lines if room in line.split(',')[:2]]
+    total = [sum(column) for column in zip(*rows)]
+    return [*total, 100 * total[1] / total[0]]
+
+
+def life_spectrum():
+    """Hours of both parts of the example of doc/strength.md."""
+    return shown('strength', r'duration_h = ([\d.e]+), ([\d.e]+)')
+
+
+def cut_digits():
+    """First frequency of Hassan et al. in rad/s and what that is in Hz; alpha, beta and the time in engagement as printed."""
+    omega = printed_of('hassan2009', 'mode_1_rad_s')
+    return [omega, omega / (2 * math.pi), *(printed_of('hassan2009', row) for row in ('rayleigh_alpha', 'rayleigh_beta', 'contact_time'))]
+
+
+def drawn_rows():
+    """What test/reference/motions/rows.py draws: contact ratio, damping ratio and the largest of lightly damped rows, frequencies, relief."""
+    text = (REFERENCE / 'motions' / 'rows.py').read_text(encoding='utf-8')
+    ratio = re.search(r'ratio = draw\.uniform\(([\d.]+), ([\d.]+)\)', text).groups()
+    zeta = re.search(r'between\((\S+), (\S+) if light else ([\d.]+)\)', text).groups()
+    speed = re.search(r'mesh frequency ([\d.]+) to (\d+) natural', text).groups()
+    relief = re.search(r'relief = round\(draw\.uniform\(0, (\d)\)', text).groups()
+    return [*map(float, ratio), float(zeta[0]), float(zeta[2]), float(zeta[1]), *map(float, speed), float(relief[0])]
+
+
+def valley():
+    """By how much the nominal optimum of doc/many.md is worse as built than the best, by their two values there."""
+    nominal, best = shown('many', r'is worth ([\d.]+)\s+as built[\s\S]*?8 um has ([\d.]+) \(')
+    return nominal - best

@@ -13,6 +13,7 @@ from .cases import JUMPS, given, result
 from .quantities import load, mode, radius
 
 CASE = 'hassan'
+COMMON_STEEL = 2.07e5, 7.8e-9  # Young's modulus, N/mm2, and density, N s2/mm4
 MOVING = 'hassan_transient'
 COAST = 1
 COMPONENTS = {'x': 'sigma_x_mpa', 'y': 'sigma_y_mpa', 'xy': 'tau_xy_mpa'}
@@ -65,11 +66,21 @@ def radial_force():
     return load(CASE) * math.sin(_angle())
 
 
-# The tooth as a beam, as thick as on the reference circle
+# The tooth as a beam, as thick as on the reference circle; its length is the stated one, or `r_a-r_b`
 
-def beam_frequency(length=None, modulus=None, mass_density=None):
+def tip_over_base():
+    """The length r_a - r_b, mm."""
+    return radius(CASE, 1, 'tip') - radius(CASE, 1, 'base')
+
+
+def common_steel():
+    """E and rho, as one may take them for steel."""
+    return COMMON_STEEL
+
+
+def beam_frequency(length='stated', modulus=None, mass_density=None):
     """Eqs. 1 to 4: a spring 3 E I / l^3 and the whole mass, rad/s; by the stated inputs unless others are given."""
-    length = length or _height()
+    length = _height() if length == 'stated' else tip_over_base()
     return _thickness() / (2 * length**2) * math.sqrt((modulus or young()) / (mass_density or density()))
 
 
@@ -88,10 +99,10 @@ def rayleigh_over_beam():
     return rayleigh_frequency() / beam_frequency()
 
 
-def beam_sigma(direction, width=None, length=None):
-    """Eqs. 7 and 8; face width of section II and length from the root to the reference circle unless given."""
+def beam_sigma(direction, width=None, length='stated'):
+    """Eqs. 7 and 8; face width of section II unless given; the stated length is that from the root to the reference circle."""
     width = width or given(CASE, 'pair', 'face_width_mm')
-    length = length or radius(CASE, 1, 'reference') - radius(CASE, 1, 'root')
+    length = radius(CASE, 1, 'reference') - radius(CASE, 1, 'root') if length == 'stated' else tip_over_base()
     if direction == 'x':
         return radial_force() / (width * _thickness())
     return tangential_force() * length / (width * _thickness()**2 / 6)
@@ -103,12 +114,9 @@ def mode_1_period():
     return 1 / mode(CASE, 1)
 
 
-def step(name, k, component, shift=0):
-    """Size of a stress component on the compression side in a load step; its load may be shifted by part of a step."""
-    root = result('static', name)
-    share = root.load_share[0, :, COAST]
-    whole = np.abs(root[COMPONENTS[component]][0, :, COAST]) / share
-    return share[k - 1] * np.interp(k - 1 + shift, np.arange(len(whole)), whole)
+def step(name, k, component):
+    """Size of a stress component on the compression side in a load step."""
+    return abs(result('static', name)[COMPONENTS[component]][0, k - 1, COAST])
 
 
 def worst_step(k):
@@ -188,7 +196,7 @@ def mean_over_static(name=MOVING):
 
 
 def mean_is_static():
-    return abs(mean_over_static(f'{MOVING}+converged') - 1) < 0.1
+    return abs(mean_over_static() - 1) < 0.1
 
 
 def whole_band(component):

@@ -27,6 +27,28 @@ KINDS = ('input', 'result', 'claim')
 INPUTS = ('stated', 'inferred', 'fitted', 'not reproducible', 'open')
 BY = ('gearsweep', 'closed form', 'printed', 'case')
 
+# What a number is, for the counts: by words of its quantity and its unit, the first that fits both.
+SORTS = (
+    ('dynamic factors', r'(least )?DF\b', r'-'),
+    ('natural frequencies', r'.*frequency', r'Hz|rad/s'),
+    ('resonance speeds', r'.*resonance', r'1/min'),
+    ('stresses', r'.*(stress|sigma|tau)', r'MPa|Pa'),
+    ('strains and deformations', r'.*(strain|deformation)', r'-|mm|m'),
+    ('reliefs', r'relief', r'um|mm'),
+    ('lengths and diameters', r'', r'mm'),
+    ('other numbers', r'', r'.*'),
+)
+SORT_NAMES = (*(name for name, *_ in SORTS), 'statements')
+
+# Rows that one contradiction, or one input that is not stated, hits alike have one status, whatever ours are: their ids.
+TOGETHER = {
+    'dogan2021': (r'(best|rise)_(1600|1000)', r'(rise_peak|falls)_\d'),
+    'karpat2012': (r'(approach|recess)_sign',),
+    'hassan2009': (r'step_\d_sigma_[xy]_mpa|worst_step', r'dynamic_\d+_(sigma_[xy]|tau_xy)|growth|mean_is_static', r'mode_[2-5]_hz'),
+    'thamba2020': (r'deformation_\w+_(tip|pitch|root)', r'(strain|stress)_(involute|modified)_\w+', r'f\d_modified', r'f\da_\w+',
+                   r'life_(involute|modified)', r'd_[3-8]', r'f[23]_involute'),
+}
+
 
 @dataclass(frozen=True)
 class Row:
@@ -55,6 +77,13 @@ class Row:
     def value(self):
         """The printed value: a float, or a bool for a statement without a number."""
         return value_of(self.printed)
+
+    @property
+    def sort(self):
+        """What the number is, of `SORTS`; a statement without a number is one."""
+        if isinstance(self.value, bool):
+            return 'statements'
+        return next(sort for sort, quantity, unit in SORTS if re.match(quantity, self.quantity) and re.fullmatch(unit, self.unit))
 
     @property
     def repeats(self):
@@ -101,6 +130,7 @@ def read(name):
     for row in rows:
         check_row(row, seen)
         seen[row.id] = row
+    check_together(name, rows)
     return rows
 
 
@@ -133,3 +163,12 @@ def check_row(row, seen):
         need(row.inputs == 'stated' or row.reason, 'what is not stated needs a reason')
         need((row.inputs in ('stated', 'inferred')) == bool(row.tolerance), 'only what is compared has a tolerance')
         need(row.inputs != 'open' or not row.ours, 'an open row has no value of ours')
+
+
+def check_together(name, rows):
+    """ValueError where rows that one contradiction hits differ in status, or are not there."""
+    for pattern in TOGETHER.get(name, ()):
+        hit = [row for row in rows if re.fullmatch(pattern, row.id) and not row.repeats]
+        status = sorted({row.inputs for row in hit})
+        if len(hit) < 2 or len(status) > 1:
+            raise ValueError(f'{name}: {pattern}: {len(hit)} rows, of one status, not {", ".join(status)}')

@@ -5,7 +5,7 @@ import re
 
 from . import hassan2009, page
 
-PATH = pathlib.Path(__file__).parent.parent / 'doc/transient.md'
+PATH = pathlib.Path(__file__).parent.parent / 'doc/vibration.md'
 BEGIN, END = '<!-- Table 3: begin, by python -m validation --pages -->', '<!-- Table 3: end -->'
 SPEEDS = (360, 720, 1440, 1800)
 COMPONENTS = ('sigma_x', 'sigma_y', 'tau_xy', 'mises')

@@ -7,24 +7,27 @@ from . import ledger, report
 
 PATH = pathlib.Path(__file__).parent.parent / 'doc' / 'validation.md'
 BEGIN, END = '<!-- validation: begin, by python -m validation --pages -->', '<!-- validation: end -->'
+FIRST, FIRST_END = '<!-- three checks: begin, by python -m validation --pages -->', '<!-- three checks: end -->'
 
 NUMBER = re.compile(r'(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?')
 
 # The rows that the page shows, in its order.
 SHOWN = {
-    'dogan2021': ('df_1', 'df1_1', 'df2_1', 'n1_1', 'n2_1', 'best_1', 'df2_15', 'df_2', 'df1_2', 'n1_2', 'df1_28'),
-    'hassan2009': ('mode_1_hz', 'mode_5_hz', 'step_4_sigma_y_mpa', 'rayleigh_frequency_rad_s'),
-    'thamba2020': ('f1_involute', 'f2_involute', 'f3_involute', 'r_10'),
+    'dogan2021': ('df_1', 'df1_15', 'df2_1', 'df2_15', 'n1_1', 'best_1', 'df1_28'),
+    'hassan2009': ('mode_1_hz', 'mode_5_hz', 'step_1_sigma_x_mpa'),
+    'thamba2020': ('f1_involute', 'f3_involute', 'r_10'),
 }
 NAMES = {'dogan2021': 'Dogan 2021', 'hassan2009': 'Hassan 2009', 'thamba2020': 'Thamba 2020'}
 
 
 def block(outcomes):
-    """The counts by paper, and some rows, as Markdown."""
+    """The counts by paper and of the results by what they are, and some rows, as Markdown."""
     by_name = {outcome.row.name: outcome for outcome in outcomes}
     rows = [_row(by_name[f'{paper}:{id}']) for paper, ids in SHOWN.items() for id in ids]
     some = markdown(('what', 'printed', 'gearsweep', 'inputs'), rows)
-    return f'{markdown(*report.summary(outcomes))}\n\nSome of them:\n\n{some}'
+    counts = (f'{report.what_is_counted(outcomes)}\n\n{markdown(*report.summary(outcomes))}\n\n'
+              f'Results and conclusions by what they are:\n\n{markdown(*report.summary_of_results(outcomes))}')
+    return f'{counts}\n\nSome of them:\n\n{some}'
 
 
 def current():
@@ -40,9 +43,16 @@ def same(text, other):
     return all(abs(float(a) - float(b)) <= 1.001 * min(map(ledger.last_digit, (a, b))) for a, b in pairs)
 
 
-def update(outcomes):
-    before, _, after = parts(PATH, BEGIN, END)
-    PATH.write_text(f'{before}{block(outcomes)}\n{after}', encoding='utf-8')
+def first_lines():
+    """The three checks as the page has them."""
+    return parts(PATH, FIRST, FIRST_END)[1].strip()
+
+
+def update(outcomes, first):
+    """`first`: the three checks, as Markdown."""
+    for begin, end, text in ((FIRST, FIRST_END, first), (BEGIN, END, block(outcomes))):
+        before, _, after = parts(PATH, begin, end)
+        PATH.write_text(f'{before}{text}\n{after}', encoding='utf-8')
 
 
 def parts(path, begin, end):

@@ -7,14 +7,14 @@ import numpy as np
 from .cases import given, result
 
 
-def radius(name, member, which):
-    """Radius of a circle of member 1 or 2: tip, reference, root, base of the drive flanks."""
-    return result('gears', name)[f'{which}_diameter_mm'][member - 1] / 2
+def radius(name, gear, which):
+    """Radius of a circle of gear 1 or 2: tip, reference, root, base of the drive flanks."""
+    return result('gears', name)[f'{which}_diameter_mm'][gear - 1] / 2
 
 
-def pitch_radius(name, member):
+def pitch_radius(name, gear):
     """Radius of the working pitch circle."""
-    return radius(name, member, 'base') / math.cos(working_angle(name))
+    return radius(name, gear, 'base') / math.cos(working_angle(name))
 
 
 def working_angle(name):
@@ -22,29 +22,29 @@ def working_angle(name):
     return math.radians(result('geometry', name).working_angle_deg)
 
 
-def diameter(name, member, which):
+def diameter(name, gear, which):
     """Of the circles of `radius`, and of `form`, where the involute begins; on `working` both gears roll."""
-    return 2 * (pitch_radius(name, member) if which == 'working' else radius(name, member, which))
+    return 2 * (pitch_radius(name, gear) if which == 'working' else radius(name, gear, which))
 
 
 def working_angle_deg(name):
     return math.degrees(working_angle(name))
 
 
-def tip_thickness(name, member):
+def tip_thickness(name, gear):
     """Of a tooth, on its tip circle, between its edge breaks."""
-    return result('gears', name).tip_thickness_mm[member - 1]
+    return result('gears', name).tip_thickness_mm[gear - 1]
 
 
-def chamfer(name, member):
+def chamfer(name, gear):
     """Height of the edge break."""
-    return radius(name, member, 'tip') - radius(name, member, 'tip_form')
+    return radius(name, gear, 'tip') - radius(name, gear, 'tip_form')
 
 
-def span(name, member, teeth):
+def span(name, gear, teeth):
     """Span measurement over some teeth."""
     gears = result('gears', name)
-    return gears.span_mm[member - 1] + (teeth - gears.span_teeth[member - 1]) * base_pitch(name)
+    return gears.span_mm[gear - 1] + (teeth - gears.span_teeth[gear - 1]) * base_pitch(name)
 
 
 def contact_length(name):
@@ -143,9 +143,9 @@ def along_path(name, column, which):
     return {'least': np.nanmin, 'largest': np.nanmax}[which](table[column][table.loading == 'static'])
 
 
-def largest_sliding(name, member):
+def largest_sliding(name, gear):
     """Largest specific sliding of pinion or gear, without its sign."""
-    return np.abs(result('flank', name)[f'{member}_specific_sliding']).max()
+    return np.abs(result('flank', name)[f'{gear}_specific_sliding']).max()
 
 
 def at_pitch_point(name, column):
@@ -162,8 +162,8 @@ def iso_root_stress(name):
 
 def iso_root_stress_working(name):
     """The same with the tangential force of the working pitch circle, where ISO 6336-3 takes that of the reference circle."""
-    member = 2 if given(name, 'section', 'member') == 'gear' else 1
-    return iso_root_stress(name) * radius(name, member, 'reference') / pitch_radius(name, member)
+    gear = 2 if given(name, 'section', 'gear') == 'gear' else 1
+    return iso_root_stress(name) * radius(name, gear, 'reference') / pitch_radius(name, gear)
 
 
 def form_factor(name, which):

@@ -39,32 +39,53 @@ def deviation(outcome):
     return f'{100 * outcome.deviation / abs(outcome.row.value):+.3g} %'
 
 
+COUNTED = ('results', 'within tolerance, from stated inputs', 'with an inferred input', 'deviating', 'fitted', 'not reproducible', 'open',
+           'from its own numbers')
+
+
 def summary(outcomes):
     """Header and rows of the counts by paper, with a line for all."""
-    header = ('paper', 'rows', 'within tolerance, from stated inputs', 'with an inferred input', 'from its own numbers',
-              'deviating', 'fitted', 'not reproducible', 'open', 'inputs', 'repeats')
-    parts = [(title, [o for o in outcomes if o.row.paper == paper]) for paper, title in ledger.PAPERS.items()]
+    return _summary('paper', [(title, [o for o in outcomes if o.row.paper == paper]) for paper, title in ledger.PAPERS.items()],
+                    ('rows', 'inputs', 'repeats'))
+
+
+def summary_of_results(outcomes):
+    """The same of results and conclusions, by what they are, without inputs and repeats."""
+    results = [o for o in outcomes if o.verdict not in ('input', 'repeat')]
+    return _summary('what', [(sort, [o for o in results if o.row.sort == sort]) for sort in ledger.SORT_NAMES], ())
+
+
+def _summary(what, parts, more):
     parts = [(title, part) for title, part in parts if part]
     parts.append(('all', [o for _, part in parts for o in part]))
-    return header, [(title, len(part), *_counts(part)) for title, part in parts]
+    return (what, *more, *COUNTED), [(title, *_counts(part, more)) for title, part in parts]
 
 
-def _counts(outcomes):
+def _counts(outcomes, more):
     n = check.counts(outcomes)
     within = [o.row for o in outcomes if o.verdict == 'within']
     own = sum(row.by == 'printed' for row in within)
     stated = sum(row.by != 'printed' and row.inputs == 'stated' for row in within)
-    return (stated, len(within) - own - stated, own, n['deviates'] + n['failed'], n['fitted'], n['not reproducible'],
-            n['open'], n['input'], n['repeat'])
+    results = (stated, len(within) - own - stated, n['deviates'] + n['failed'], n['fitted'], n['not reproducible'], n['open'])
+    front = {'rows': len(outcomes), 'inputs': n['input'], 'repeats': n['repeat']}
+    return (*(front[name] for name in more), sum(results), *results, own)
 
 
-def summary_text(outcomes):
-    """The counts as an aligned table for the screen."""
-    words = ('', 'rows', 'stated', 'inferred', 'own numbers', 'deviating', 'fitted', 'not repr.', 'open', 'inputs', 'repeats')
-    table = [words] + [tuple(map(str, row)) for row in summary(outcomes)[1]]
+def counts_text(header, rows):
+    """Counts as an aligned table for the screen."""
+    short = {'within tolerance, from stated inputs': 'stated', 'with an inferred input': 'inferred', 'not reproducible': 'not repr.',
+             'from its own numbers': 'own numbers'}
+    table = [tuple(short.get(name, name) for name in header)] + [tuple(map(str, row)) for row in rows]
     width = [max(map(len, column)) for column in zip(*table)]
     return '\n'.join(row[0].ljust(width[0]) + ''.join(cell.rjust(w + 2) for cell, w in zip(row[1:], width[1:]))
                      for row in table)
+
+
+def what_is_counted(outcomes):
+    """The number of rows in a sentence."""
+    n, all_rows = check.counts(outcomes), len(outcomes)
+    return (f'{all_rows} rows are all numbers and number words that the texts print, but for those left out on purpose: {n["input"]} are inputs '
+            f'of the papers, {n["repeat"]} repeat a number, {all_rows - n["input"] - n["repeat"]} are results and conclusions.')
 
 
 def write_csv(path, outcomes):
@@ -82,11 +103,12 @@ def write_csv(path, outcomes):
                              r.origin, r.comment))
 
 
-def write_page(path, outcomes, pictures):
-    """The report as one page. `pictures`: (title, caption, PNG bytes), in their order."""
+def write_page(path, outcomes, pictures, first=()):
+    """The report as one page. `first`: sentences above the counts. `pictures`: (title, caption, PNG bytes), in their order."""
     text = string.Template(TEMPLATE.read_text(encoding='utf-8')).substitute(
         made=html.escape(made()),
-        summary=_table(*summary(outcomes), 'summary'),
+        first='\n'.join(f'<li>{html.escape(one)}</li>' for one in first),
+        summary='\n'.join((_table(*summary(outcomes), 'summary'), _table(*summary_of_results(outcomes), 'summary'))),
         pictures='\n'.join(map(_figure, pictures)) or '<p>None: matplotlib is not installed.</p>',
         papers='\n'.join(_paper(paper, outcomes) for paper in TITLES if any(o.row.paper == paper for o in outcomes)))
     pathlib.Path(path).write_text(text, encoding='utf-8')

@@ -4,12 +4,11 @@ from . import check, ledger
 
 MARK = '--spread'  # an origin with this word rests on these variants
 
-# Alternatives by input: `+name` is a variant of the case, anything else a further argument of the function.
+# Alternatives by input: variants of the case.
 STIFFNESS = ('+weber', '+iso6336', '+one-tooth', '+plane-stress')
 RACK_TIP = ('+rack-tip-0.25', '+rack-tip-0.38')
 INPUTS = {
     'mode': (RACK_TIP, ('+coarse',)),
-    'step': (RACK_TIP, ('+tangent-20-deg', '+tangent-30-deg'), ('-0.5', '0.5')),
     'dogan2021': (STIFFNESS, ('+friction-0.05',)),
 }
 
@@ -44,5 +43,4 @@ def text():
 def _with(row, word):
     """The row with an alternative; the case is the function's first argument."""
     name, case, *rest = row.ours.split()
-    words = (name, case + word, *rest) if word.startswith('+') else (name, case, *rest, word)
-    return ledger.Row(**{**vars(row), 'ours': ' '.join(words)})
+    return ledger.Row(**{**vars(row), 'ours': ' '.join((name, case + word, *rest))})

@@ -58,7 +58,7 @@ def between(k):
 def relief(k):
     """Eq. 1: linear in the diameter from the pitch circle on, from the printed relief at the tip."""
     flank = result('relief_flank', f'{RELIEF}+from-pitch')
-    ours = flank.relief_by_diameter_um[(flank.method == 'markovic_vrcan') & (flank.member == 'pinion')]
+    ours = flank.relief_by_diameter_um[(flank.method == 'markovic_vrcan') & (flank.gear == 'pinion')]
     return printed('r_10') * ours[k - 1] / ours[-1]
 
 

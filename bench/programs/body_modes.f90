@@ -6,12 +6,12 @@
 program body_modes
   use, intrinsic :: iso_c_binding, only: c_null_ptr
   use bench_tools, only: check, number, seconds, word
-  use gearsweep_error, only: error_t
-  use gearsweep_gear, only: gear_spec_t, gear_t, make_gear
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_sector, only: blank_t, make_gear_sector, sector_t
-  use gearsweep_sector_modes, only: find_sector_modes, sector_mode_t, support_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_body_modes_sector, only: blank_t, make_gear_sector, sector_t
+  use gearsweep_body_modes_sector_modes, only: find_sector_modes, sector_mode_t, support_t
   implicit none
 
   type(material_t), parameter :: steel = material_t(205e9_dp, 0.285_dp, 7850.0_dp)

@@ -31,10 +31,10 @@ program dynamics
   use bench_searches, only: time_attractors, time_optimum
   use bench_tools, only: word, number, real_number, seconds, median, check, numbers
   use gearsweep, only: dp, error_t, run_sweep, sweep_t, sweep_options_t
-  use gearsweep_gauss, only: batch_size
-  use gearsweep_oscillator, only: oscillator_t
-  use gearsweep_sweep, only: contact_full
-  use gearsweep_transient, only: by_shooting, by_marching
+  use gearsweep_motion_gauss, only: batch_size
+  use gearsweep_motion_oscillator, only: oscillator_t
+  use gearsweep_motion_sweep, only: contact_full
+  use gearsweep_motion_transient, only: by_marching, by_shooting
   implicit none
 
   type(problem_t) :: problem

@@ -12,22 +12,20 @@ program elastic
   use, intrinsic :: iso_fortran_env, only: output_unit
   use bench_tools, only: word, number, seconds, check, numbers
   use bench_uniform, only: make_uniform
-  use gearsweep_body, only: body_t, elastic_law, make_body
-  use gearsweep_compliance, only: deflection_at_depth, flank_load, load_line
-  use gearsweep_disc, only: disc_t
-  use gearsweep_error, only: error_t
-  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive, coast
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_material, only: material_t
-  use gearsweep_modal, only: modal_t, section_modes
-  use gearsweep_modes, only: modes_t, find_modes
-  use gearsweep_pair, only: pair_t, make_pair
-  use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_q8, only: element_stiffness, shape_functions
-  use gearsweep_section, only: section_t, section_options_t, make_section
-  use gearsweep_section_body, only: section_body_t, make_two_grids
-  use gearsweep_stress, only: root_stress_t, find_root_stress
+  use gearsweep_elastic_body, only: body_t, elastic_law, make_body
+  use gearsweep_elastic_compliance, only: deflection_at_depth, flank_load, load_line
+  use gearsweep_elastic_disc, only: disc_t
+  use gearsweep_base_error, only: error_t
+  use gearsweep_elastic_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_gear_gear, only: coast, drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_base_kinds, only: dp, pi
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_elastic_modes, only: find_modes, modal_t, modes_t, section_modes
+  use gearsweep_gear_pair, only: make_pair, pair_t
+  use gearsweep_base_piecewise, only: piecewise_t
+  use gearsweep_elastic_q8, only: element_stiffness, shape_functions
+  use gearsweep_elastic_section, only: make_section, make_two_grids, section_body_t, section_options_t, section_t
+  use gearsweep_elastic_stress, only: find_root_stress, root_stress_t
   implicit none
 
   type(material_t), parameter :: hassan_steel = material_t(2.15e11_dp, 0.3_dp, 8750.0_dp)

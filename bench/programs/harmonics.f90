@@ -8,7 +8,7 @@ program harmonics
   use bench_problem, only: problem_t, read_problem, write_problem
   use bench_tools, only: word, number, seconds, median, numbers
   use gearsweep, only: dp
-  use gearsweep_harmonics, only: harmonics_t, find_harmonics
+  use gearsweep_mesh_harmonics, only: find_harmonics, harmonics_t
   implicit none
   integer, parameter :: repeats = 101
   type(problem_t) :: problem

@@ -18,16 +18,15 @@ program honesty
   use bench_problem, only: write_problem
   use bench_tools, only: word, number, check, numbers
   use gearsweep, only: dp, error_t, oscillator_t, run_sweep, sweep_t, sweep_options_t, each
-  use gearsweep_error_estimate, only: accuracy_t, point_t
-  use gearsweep_coefficients, only: resolution_t
-  use gearsweep_gauss, only: batch_size
-  use gearsweep_operating_point, only: solve_batch, solve_point
-  use gearsweep_oscillator, only: mesh_period, resolving_steps
-  use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: shoot, steady_t
-  use gearsweep_refinement, only: levels_t
-  use gearsweep_kinds, only: pi
-  use gearsweep_status, only: has_result
+  use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, point_t
+  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_gauss, only: batch_size
+  use gearsweep_motion_operating_point, only: solve_batch, solve_point
+  use gearsweep_motion_oscillator, only: mesh_period, resolving_steps
+  use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
+  use gearsweep_motion_periodic_orbit, only: shoot, steady_t
+  use gearsweep_base_kinds, only: pi
+  use gearsweep_motion_steady_motion, only: has_result
   use random_meshes, only: draw_t, random_mesh
   use random_motions, only: random_motion
   use, intrinsic :: iso_fortran_env, only: error_unit

@@ -8,12 +8,12 @@
 program honesty_bodies
   use, intrinsic :: iso_fortran_env, only: output_unit
   use bench_tools, only: check, number, numbers, word
-  use gearsweep_error, only: error_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_material, only: material_t
-  use gearsweep_modal, only: modal_t, section_modes
-  use gearsweep_section_body, only: section_body_t, make_two_grids
-  use gearsweep_stress, only: root_stress_t, root_stress
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_elastic_material, only: material_t
+  use gearsweep_elastic_modes, only: modal_t, section_modes
+  use gearsweep_elastic_section, only: make_two_grids, section_body_t
+  use gearsweep_elastic_stress, only: root_stress, root_stress_t
   use random_bodies, only: random_body_t, random_body
   implicit none
   integer, parameter :: modes = 8, most_section = 10, most_whole = 6, finest_section = 30, finest_whole = 20

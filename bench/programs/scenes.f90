@@ -9,19 +9,18 @@ program scenes
   use bench_tools, only: word, seconds, median, check
   use gearsweep, only: dp, case_t, disc_t, study_t, oscillator_t, error_t, pair_t, read_case, run_study, &
                        fe_options_t, fe_stiffness
-  use gearsweep_coefficients, only: resolution_t
-  use gearsweep_contact_set, only: period_t
-  use gearsweep_gauss, only: batch_size
-  use gearsweep_oscillator, only: mesh_period
-  use gearsweep_period, only: run_batch
-  use gearsweep_full_contact, only: run_full_contact
-  use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: newton_step
-  use gearsweep_case, only: speeds
-  use gearsweep_edit, only: change_key
-  use gearsweep_files, only: read_text
-  use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_tables, only: column_of
+  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_contact_set, only: period_t
+  use gearsweep_motion_gauss, only: batch_size
+  use gearsweep_motion_oscillator, only: mesh_period
+  use gearsweep_motion_period, only: run_batch, run_full_contact
+  use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
+  use gearsweep_motion_periodic_orbit, only: newton_step
+  use gearsweep_study_case_case, only: speeds
+  use gearsweep_study_reader_edit, only: change_key
+  use gearsweep_study_run_files, only: read_text
+  use gearsweep_base_piecewise, only: piecewise_t
+  use gearsweep_api_tables, only: column_of
   implicit none
 
   !> Numbers of a scene, and by how much they may be off; 0: not a bit.
@@ -37,8 +36,8 @@ program scenes
     end subroutine scene_i
   end interface
 
-  character(*), parameter :: everything(*) = [character(8) :: 'geometry', 'section', 'mesh', 'static', 'modal', 'load', &
-                                              'sweep', 'optimum']
+  character(*), parameter :: everything(*) = [character(8) :: 'geometry', 'mesh', 'static', 'modal', 'load', 'sweep', &
+                                              'optimum']
   type(case_t) :: prescribed, pair_case, section
   type(oscillator_t), allocatable :: osc(:)
   type(study_t) :: of_pair
@@ -327,7 +326,7 @@ contains
     type(answer_t), intent(out) :: answer
     type(study_t) :: study
 
-    if (full) call run(section, [character(8) :: 'section', 'static', 'modal', 'mesh'], study)
+    if (full) call run(section, [character(8) :: 'static', 'modal', 'mesh'], study)
     if (.not. full) call run(section, ['modal'], study)
     answer = exact([column_of(study, 'modal', 'frequency_hz'), column_of(study, 'modal', 'error_estimate')])
   end subroutine modes_alone

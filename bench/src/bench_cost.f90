@@ -4,10 +4,10 @@ module bench_cost
   use bench_problem, only: problem_t
   use bench_tools, only: check, median, numbers, seconds
   use gearsweep, only: dp, error_t, make_oscillator, oscillator_t, run_sweep, sweep_t, sweep_options_t
-  use gearsweep_coefficients, only: resolution_t, coefficients_t, tabulate
-  use gearsweep_sweep, only: contact_full, each
-  use gearsweep_transient, only: by_marching, by_shooting
-  use gearsweep_status, only: has_result
+  use gearsweep_motion_coefficients, only: coefficients_t, resolution_t, tabulate
+  use gearsweep_motion_sweep, only: contact_full, each
+  use gearsweep_motion_transient, only: by_marching, by_shooting
+  use gearsweep_motion_steady_motion, only: has_result
   implicit none
   private
   public :: cost_over_speeds, cost_over_damping, table_time

@@ -4,8 +4,8 @@
 !> (Karpat et al. 2012). None of them locates changes of contact.
 module bench_fixed_steps
   use bench_step_table, only: step_table_t, tabulate
-  use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_motion_oscillator, only: oscillator_t
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   implicit none
   private

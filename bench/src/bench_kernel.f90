@@ -1,8 +1,8 @@
 !> How fast the sweep's innermost procedure is, beside what a core can do at best in the same build.
 module bench_kernel
   use bench_tools, only: seconds, median
-  use gearsweep_gauss, only: collocate, batch_size
-  use gearsweep_kinds, only: dp
+  use gearsweep_motion_gauss, only: batch_size, collocate
+  use gearsweep_base_kinds, only: dp
   implicit none
   private
   public :: collocation_rate, best_rate

@@ -3,8 +3,8 @@
 module bench_problem
   use bench_tools, only: check
   use gearsweep, only: case_t, study_t, oscillator_t, error_t, read_case, run_study, dp
-  use gearsweep_case, only: speeds
-  use gearsweep_files, only: read_text
+  use gearsweep_study_case_case, only: speeds
+  use gearsweep_study_run_files, only: read_text
   implicit none
   private
   public :: problem_t, read_problem, write_problem
@@ -41,7 +41,7 @@ contains
   end subroutine read_problem
 
   !> For the other contenders, in SI: teeth and contact ratio; masses, load and
-  !> damping ratio; stiffness; reliefs, linear and alike for both members from
+  !> damping ratio; stiffness; reliefs, linear and alike for both gears from
   !> the HPSTC; speeds; for each relief and speed, x and dx/dt to start from, over
   !> the mean deflection and its product with the natural frequency (none: from
   !> rest). Each list follows its length. `osc` are alike but for the relief.
@@ -59,7 +59,7 @@ contains
       end associate
     end do
     if (any(abs(ends(1, :) - ends(2, :)) > 1e-12_dp) .or. osc(1)%friction > 0 .or. osc(1)%has_backlash) &
-      error stop 'the other contenders know neither friction nor backlash, and equal reliefs on both members only'
+      error stop 'the other contenders know neither friction nor backlash, and equal reliefs on both gears only'
     print numbers, real(osc(1)%mesh%teeth(1), dp), osc(1)%mesh%contact_ratio
     print numbers, osc(1)%mass, osc(1)%load, osc(1)%damping_ratio
     call write_list(osc(1)%mesh%stiffness%coef(:, 1))

@@ -1,7 +1,7 @@
 !> Coefficients over one mesh period for methods with a given number of steps.
 module bench_step_table
-  use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_motion_oscillator, only: oscillator_t
   implicit none
   private
   public :: step_table_t, tabulate

@@ -1,8 +1,8 @@
 !> What the benchmark's programs share: arguments, a clock, errors that stop.
 module bench_tools
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_error, only: error_t
-  use gearsweep_kinds, only: dp
+  use gearsweep_base_error, only: error_t
+  use gearsweep_base_kinds, only: dp
   implicit none
   private
   public :: word, number, real_number, seconds, median, check, numbers

@@ -2,12 +2,12 @@
 !> same outline, same blocks, but equal lengths along each of them.
 module bench_uniform
   use bench_tools, only: check
-  use gearsweep_error, only: error_t
-  use gearsweep_gear, only: gear_t, drive
-  use gearsweep_grid, only: make_grid, no_element
-  use gearsweep_kinds, only: dp
-  use gearsweep_q8, only: shape_functions
-  use gearsweep_section, only: section_t, section_options_t, make_section
+  use gearsweep_base_error, only: error_t
+  use gearsweep_gear_gear, only: drive, gear_t
+  use gearsweep_elastic_grid, only: make_grid, no_element
+  use gearsweep_base_kinds, only: dp
+  use gearsweep_elastic_q8, only: shape_functions
+  use gearsweep_elastic_section, only: make_section, section_options_t, section_t
   implicit none
   private
   public :: make_uniform

@@ -4,6 +4,7 @@ Links between pages stay; a link to a file of the sources leads to a copy of it,
 the sources. REFERENCE, FORD's pages, then need nothing from elsewhere."""
 import re
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -15,7 +16,8 @@ PAGES = {'README.md': 'index.md', 'CONTRIBUTING.md': 'contributing.md', 'CHANGEL
 
 def pages():
     """The pages by where they lie, each with its name in the site."""
-    return {ROOT / name: to for name, to in PAGES.items()} | {path: path.name for path in sorted((ROOT / 'doc').glob('*.md'))}
+    return {ROOT / name: to for name, to in PAGES.items()} | {
+        path: path.name for folder in ('doc', 'doc/develop') for path in sorted((ROOT / folder).glob('*.md'))}
 
 
 def target(link, page, folder, known):
@@ -31,7 +33,7 @@ def target(link, page, folder, known):
         raise SystemExit(f'{page.relative_to(ROOT)} leads to {link}, which is not there')
     relative = path.relative_to(ROOT)
     if path.is_dir():
-        return f'architecture.md#{relative.as_posix().replace("/", "")}' if relative.parts[0] == 'src' else 'architecture.md#beside-src'
+        return f'files.md#{relative.as_posix().replace("/", "")}' if relative.parts[0] == 'src' else 'architecture.md#beside-src'
     if path.suffix == '.f90' and relative.parts[0] == 'src':
         return f'reference/sourcefile/{path.name}.html'
     # Browsers show text, and save what they do not know.
@@ -71,11 +73,11 @@ def unplug(reference):
 
 def main():
     folder, *reference = map(Path, sys.argv[1:])
+    said = subprocess.run([sys.executable, ROOT / 'doc/architecture.py', '--files'], capture_output=True, text=True, check=True).stdout
     shutil.rmtree(folder, ignore_errors=True)
     (folder / 'assets').mkdir(parents=True)
     known = pages()
-    for page, name in known.items():
-        text = page.read_text()
+    for page, name, text in [*((page, name, page.read_text()) for page, name in known.items()), (ROOT / 'files.md', 'files.md', f'# Every file\n{said}')]:
         text = re.sub(r'\]\(([^()\s]+)\)', lambda link, page=page: f']({target(link[1], page, folder, known)})', text)
         (folder / name).write_text(text)
     (folder / 'names.md').write_text(names())

@@ -13,20 +13,22 @@
 >>> study.sweep.dynamic_factor.shape
 (2, 5)
 
-A case's keys are described in doc/case.md, this package in doc/python.md. Names of numbers end in their
-unit. Pictures, pandas and xarray are loaded when they are asked for.
+Keys of a case are described in doc/case.md, this package in doc/python.md. Names of numbers end in their unit. matplotlib,
+pandas and xarray are loaded on first use.
 """
 
 import importlib
 
-from . import _library
-from ._library import Code, Error, PartialWarning, UnusedWarning
-from ._sound import write_sound
-from .case import Case
-from .study import Rows, Study, read, run, run_rows
-from .table import Table
+from .core import library
+from .core.case import Case
+from .core.library import Code, Error, PartialWarning, UnusedWarning
+from .core.study import Rows, Study, read, run, run_rows
+from .core.table import Table
+from .report.page import write as _write_report
+from .report.sound import write_sound
 
-__version__ = _library.version()
+__version__ = library.version()
+Study.write_report = _write_report
 
 __all__ = [
     'Case',
@@ -45,9 +47,9 @@ __all__ = [
 
 
 for _one in (Code, Error, PartialWarning, UnusedWarning, Rows, Study, Table, Case):
-    _one.__module__ = __name__  # a traceback names them as people do
+    _one.__module__ = __name__  # names in tracebacks are the public ones
 
-#: In `gearsweep.plots`, which is loaded with the first of them.
+#: Names in `gearsweep.plots`, which is loaded on the first access.
 _PLOTS = (
     'plot_as_built',
     'plot_assemblies',
@@ -55,7 +57,6 @@ _PLOTS = (
     'plot_basins',
     'plot_body_campbell',
     'plot_body_modes',
-    'plot_branch_curves',
     'plot_branches',
     'plot_campbell',
     'plot_deflection_relief',
@@ -71,6 +72,7 @@ _PLOTS = (
     'plot_modal',
     'plot_motion_harmonics',
     'plot_optimum',
+    'plot_optimum_map',
     'plot_orders',
     'plot_poincare',
     'plot_precision',
@@ -87,6 +89,7 @@ _PLOTS = (
     'plot_sweep',
     'plot_torque',
     'plot_torque_harmonics',
+    'plot_torques',
     'plot_transient',
     'plot_transient_peaks',
     'plot_turn',
@@ -95,7 +98,7 @@ _PLOTS = (
     'plots',
 )
 
-#: What names of earlier versions are called now.
+#: New names of renamed functions of earlier versions.
 _NOW = {
     **{task: f"run(case, '{task}').{task}" for task in ('geometry', 'load', 'mesh', 'optimum', 'static', 'sweep')},
     'Contact': "the words in the column contact, such as 'full'",
@@ -106,8 +109,7 @@ _NOW = {
     'motion': "run(case, 'mesh').motion",
     'plot_strobe': 'plot_poincare',
     'prepare': 'run(case, earlier=study)',
-    'report': 'run(case).report()',
-    'section': "run(case, 'section').section",
+    'section': "run(case, 'modal').section",
     'stability_map': "run(case, 'stability').stability, with speeds and damping ratios in &stability",
     'stress': "run(case, 'static').stress, with &static field_position",
     'strobe': "run(case, 'poincare').poincare, with its speeds in &poincare",
@@ -119,7 +121,9 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str):
-    """Pictures, which load matplotlib: `gearsweep.plots`, and from there `gearsweep.plot_sweep` and its like."""
+    """Returns a plot function; the first one loads matplotlib: `gearsweep.plots`, and from it `gearsweep.plot_sweep` and the
+    others.
+    """
     if name in _PLOTS:
         plots = importlib.import_module('.plots', __name__)
         return plots if name == 'plots' else getattr(plots, name)

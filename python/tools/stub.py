@@ -1,4 +1,4 @@
-"""Writes python/gearsweep/_named.pyi, by which editors complete tables and columns: python python/tools/stub.py
+"""Writes python/gearsweep/core/named.pyi, by which editors complete tables and columns: python python/tools/stub.py
 
 The names, units and meanings are those of the tables of a study with all tasks, as the installed library makes them.
 """
@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import gearsweep
-from gearsweep import _library
+from gearsweep.core import library
 
 ROOT = Path(__file__).parents[2]
-STUB = ROOT / 'python/gearsweep/_named.pyi'
+STUB = ROOT / 'python/gearsweep/core/named.pyi'
 HEAD = '''"""The tables of studies and their columns, for editors. Made by python/tools/stub.py: change that one."""
 
 from numpy import float64, int64, str_
@@ -26,18 +26,17 @@ KINDS = {'real': ('float', 'NDArray[float64]'), 'integer': ('int', 'NDArray[int6
 
 def studies() -> list[gearsweep.Study]:
     """Together they have every table: of all tasks on coarse grids, and printed values beside ours."""
-    tasks = json.loads(_library.describe('tasks'))
+    tasks = json.loads(library.describe('tasks'))
     tasks = [task if isinstance(task, str) else task['name'] for task in tasks]
     coarse: dict[str, dict[str, Any]] = {'section': {'elements_across': 3}, 'static': {'positions': 2, 'field_position': 0}, 'modal': {'modes': 1}, 'relief': {'amount_um': 0},
-              'sweep': {'rpm_step': 19000, 'load_rpm': 1600, 'direction': 'all'}, 'poincare': {'settling_periods': 0, 'kept_periods': 1},
+              'sweep': {'rpm_step': 19000, 'load_rpm': 1600, 'load_torque': True, 'direction': 'all'}, 'poincare': {'settling_periods': 0, 'kept_periods': 1},
               'hysteresis': {'ramp_rpm_s': 1e6}, 'attractors': {'starts': 1},
-              'branches': {'first': 3000, 'last': 4000, 'seeds': 1, 'points': 10, 'most_periods': 1,
-                           'second': 'damping_ratio', 'second_first': 0.1, 'second_last': 0.2},
-              'optimum': {'load_factors': [1, 2]}, 'sensitivity': {'rpm': 1600},
+              'branches': {'first': 3000, 'last': 4000, 'seeds': 1, 'points': 10, 'most_periods': 1},
+              'optimum': {'with_length': True}, 'sensitivity': {'rpm': 1600},
               'precision': {'most_steps': 50, 'most_samples': 32, 'most_elements': 4, 'modes': 1},
-              'torque': {'rpm': 1600}, 'flank': {'rpm': 1600}, 'rating': {'rpm': 1600},
+              'flank': {'rpm': 1600},
               'transient': {'rpm': 1600, 'modes': 2, 'samples': 2}, 'harmonic': {'frequency_hz': [0, 1e5], 'modes': 2},
-              'life': {'rpm': 1600, 'duration_h': 1, 'tensile_strength_mpa': 900}, 'pinion': {'bore_mm': 20},
+              'life': {'rpm': 1600, 'duration_h': 1}, 'rating': {'rpm': 1600, 'material': 'C45', 'life_h': 1000}, 'pinion': {'bore_mm': 20},
               'body_modes': {'nodal_diameters': 1, 'elements_across': 2, 'shapes': 1},
               'as_built': {'waterfall': True, 'with_ste': True, 'with_root_stress': True}, 'deviations': {'pinion_class': 6}}  # fmt: skip
     whole = gearsweep.run(gearsweep.Case.read(ROOT / 'data/case1.nml').changed(**coarse), tasks)

@@ -28,7 +28,7 @@ static unsigned below(unsigned n)
 #define ANY(list) (list)[below(sizeof(list) / sizeof *(list))]
 
 static const char geared[] =
-  "&case tasks = 'mesh', 'sweep', 'optimum', 'modal', 'static', 'load', 'section' / &pair module_mm = 3 face_width_mm = 20 /"
+  "&case tasks = 'mesh', 'sweep', 'optimum', 'modal', 'static', 'load' / &pair module_mm = 3 face_width_mm = 20 /"
   "&pinion teeth = 21 effective_mass_kg = 0.5 / &gear teeth = 34 effective_mass_kg = 0.9 /"
   "&load normal_force_n = 4000 / &relief amount_um = 0, 10 / &mesh model = 'weber' /"
   "&section elements_across = 3 / &modal modes = 3 / &static positions = 5 /"
@@ -168,7 +168,7 @@ static void spoilt_text(void)
       snprintf(value, sizeof value, "%s", below(2) ? ANY(values) : ANY(words));
       info = gsc_edit("change", text, n, group, key, value, fresh(much, 1), much, &length, message, words_room());
       break;
-    default: /* a run that reads no file and computes nothing: it has no such checkpoint */
+    default: /* a run that reads no file and computes nothing, as its argument `resume` is not empty */
       info = gsc_run(text, n, below(9) ? NULL : "no/folder", 1, below(2) ? shared : NULL, NULL, "no/checkpoint", NULL, &study,
                      message, words_room());
       check("a refused run makes no study", which, info, study == NULL);

@@ -1,7 +1,8 @@
 /* Prints every number and word of every table that a case gives, a line each with its table and column, then the report; for
    run times their table and column alone, as they differ from run to run. Then it runs the case again, with another title,
    from the first study, prints the log, writes files into `written`, and runs
-   two rows of values, of which the second is refused. What results.f and results.py print, line by line.
+   two rows of values, of which the second is refused, as is a run from a file of an interrupted one. What results.f and
+   results.py print, line by line.
 
      cc results.c $(pkg-config --cflags --libs gearsweep) */
 #include <math.h>
@@ -67,7 +68,7 @@ static void show_column(const gsc_study *study, const char *table, const char *c
 int main(int count, char **argument)
 {
   size_t n = fread(text, 1, sizeof text - 1, stdin), length;
-  gsc_study *study = NULL, *again = NULL;
+  gsc_study *study = NULL, *again = NULL, *none = NULL;
   double values[] = {5, 0.25, -1, 0.25};
   char *list, *report, *line, table[64] = "", column[64];
   check(gsc_run(text, n, NULL, 2, NULL, NULL, NULL, NULL, &study, M));
@@ -82,6 +83,8 @@ int main(int count, char **argument)
   free(report), free(list);
   check(gsc_edit("change", text, n, "case", "title", "'again'", other, sizeof other, &length, M));
   check(gsc_run(other, length, NULL, 1, study, NULL, NULL, NULL, &again, M));
+  if (gsc_run(other, length, NULL, 1, study, NULL, "x", NULL, &none, M) != GSC_INPUT || none) exit(1);
+  puts(message);
   fputs(report = text_of(again, "log"), stdout);
   check(gsc_write(again, "written", count > 1 ? argument[1] : "case", other, sizeof other, &length, M));
   fputs(other, stdout);

@@ -1,8 +1,9 @@
 C     Prints every number and word of every table that a case gives, a
 C     line each with its table and column, then the report, runs the case
 C     again from the first study, and two rows of values, of which the
-C     second is refused: what results.c and results.py print, line by
-C     line. The case comes from the standard input.
+C     second is refused, as is a run from a file of an interrupted one:
+C     what results.c and results.py print, line by line. The case comes
+C     from the standard input.
 C
 C       gfortran results.f $(pkg-config --cflags --libs gearsweep)
 C
@@ -57,6 +58,11 @@ C     Each table and each column has a line of its own.
       CALL GS_RUN(OTHER(:LENGTH), ' ', 1, STUDY, WATCH, ' ', ' ', AGAIN,
      1  INFO, MESSAG)
       CALL CHECK(INFO, MESSAG)
+      NONE = 0
+      CALL GS_RUN(OTHER(:LENGTH), ' ', 1, STUDY, WATCH, 'x', ' ', NONE,
+     1  INFO, MESSAG)
+      IF (INFO .NE. 1 .OR. NONE .NE. 0) STOP 1
+      WRITE (*, '(A)') MESSAG(:LEN_TRIM(MESSAG))
       CALL GS_TEXT(AGAIN, 'log', LIST, LENGTH, INFO, MESSAG)
       CALL CHECK(INFO, MESSAG)
       WRITE (*, '(A)') LIST(:LENGTH-1)
@@ -91,7 +97,8 @@ C     Each table and each column has a line of its own.
       INTEGER MAXROW
       PARAMETER (MAXROW=200000)
       DOUBLE PRECISION VALUES(MAXROW)
-      CHARACTER*200 WORD, MESSAG
+      CHARACTER*400 WORD
+      CHARACTER*200 MESSAG
       CHARACTER*130 NAME
       INTEGER ROWS, KIND, WIDTH, INFO, I, N
       SAVE VALUES

@@ -24,6 +24,8 @@ for table in study:
             print(f'{table.name}.{column},{value if isinstance(value, str) else shown(value)}')
 print(study.report(), end='')
 again = gearsweep.run(case.changed(case={'title': 'again'}), threads=1, earlier=study)
+print('resume = x: a single run is no longer resumed from a file: a run that is stopped keeps its finished tables, and a long study '
+      'goes on from the store of `gearsweep many`')  # fmt: skip
 print(again.log, end='')
 print(*again.write('written', sys.argv[2]), sep='\n')
 rows = gearsweep.run_rows(case.changed(case={'tasks': 'mesh'}), ['relief.amount_um', 'dynamics.damping_ratio'],

@@ -31,12 +31,12 @@ def number(case, key, default=None):
 class Gear:
     """One gear in modules: teeth, profile shift, addendum, dedendum, tip radius of the rack."""
 
-    def __init__(self, case, member):
-        self.z = int(case[f"{member} teeth"])
-        self.x = number(case, f"{member} profile_shift", 0.0)
-        self.addendum = number(case, f"{member} addendum", 1.0)
-        self.dedendum = number(case, f"{member} dedendum", 1.25)
-        self.rounding = number(case, f"{member} rack_tip_radius", 0.25)
+    def __init__(self, case, gear):
+        self.z = int(case[f"{gear} teeth"])
+        self.x = number(case, f"{gear} profile_shift", 0.0)
+        self.addendum = number(case, f"{gear} addendum", 1.0)
+        self.dedendum = number(case, f"{gear} dedendum", 1.25)
+        self.rounding = number(case, f"{gear} rack_tip_radius", 0.25)
         self.base = self.z / 2 * cos(ALPHA)
         self.tip = self.z / 2 + self.x + self.addendum
 
@@ -170,13 +170,12 @@ def section_grid(case, across):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "case.nml"
         groups = {}
-        for key, value in {**case, "case tasks": "'section'", "section elements_across": str(across)}.items():
+        for key, value in {**case, "section elements_across": str(across)}.items():
             group, name = key.split()
             groups.setdefault(group, []).append(f"{name} = {value}")
-        groups.pop("modal")
         path.write_text("".join(f"&{g}\n  " + "\n  ".join(lines) + "\n/\n" for g, lines in groups.items()))
         subprocess.run([PROGRAM, path, "--out", folder], check=True, capture_output=True)
-        text = (Path(folder) / "case.section.vtu").read_text()
+        text = (Path(folder) / "case.mode_shapes.vtu").read_text()
     points = np.fromstring(text.split('format="ascii">')[1].split("<")[0], sep=" ").reshape(-1, 3)[:, :2]
     element = np.fromstring(text.split('Name="connectivity" format="ascii">')[1].split("<")[0], sep=" ", dtype=int).reshape(-1, 8)
     corners, index = np.unique(element[:, :4], return_inverse=True)

@@ -51,7 +51,7 @@ RATED = """&case tasks = 'rating' /
 &rating rpm = 3000, 9000 material = '18CrNiMo7-6', '42CrMo4' /
 """
 # The tasks that no other case here asks for.
-REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_modes', 'harmonic', 'torque', 'sensitivity' /
+REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_modes', 'harmonic', 'sensitivity' /
 &pair module_mm = 3 face_width_mm = 20 backlash_um = 60 /
 &pinion teeth = 21 bore_mm = 20 /
 &gear teeth = 34 /
@@ -60,12 +60,12 @@ REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_
 &mesh model = 'weber' /
 &section elements_across = 3 /
 &dynamics damping_ratio = 0.01 friction = 0.05 /
-&torque rpm = 4000, 9000 / &sensitivity rpm = 4000, 9000 /
-&sweep rpm_first = 8000 rpm_last = 10000 rpm_step = 1000 load_rpm = 9000 direction = 'all' /
+&sensitivity rpm = 4000, 9000 /
+&sweep rpm_first = 8000 rpm_last = 10000 rpm_step = 1000 load_rpm = 9000 load_torque = .true. direction = 'all' /
 &transient rpm = 4000, 6000 modes = 3 samples = 20 /
 &harmonic frequency_hz = 0, 1e5 modes = 3 /
 &branches first = 12000 last = 20000 seeds = 2 points = 20 most_periods = 1 /
-&life rpm = 4000, 6000 duration_h = 10, 20 tensile_strength_mpa = 900 /
+&life rpm = 4000, 6000 duration_h = 10, 20 tensile_strength_mpa = 900 curve_cycles = 1e3, 1e6 curve_stress_mpa = 500, 86 /
 &body_modes nodal_diameters = 2 elements_across = 2 shapes = 3 /
 """
 BUILT = """&case tasks = 'as_built' /
@@ -77,6 +77,14 @@ BUILT = """&case tasks = 'as_built' /
 &sweep rpm_first = 5000 rpm_last = 9000 rpm_step = 1000 /
 &as_built turn_rpm = 6000, 9000 waterfall = .true. /
 &deviations pinion_class = 6 gear_class = 7 draws = 2 assembly = 'all' /
+"""
+TORQUES = """&case tasks = 'optimum' /
+&pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = 21 / &gear teeth = 34 /
+&load torques_nm = 40, 70, 100 /
+&relief amount_um = 0, 10 /
+&mesh model = 'weber' /
+&optimum judged = 'ste_peak_to_peak' /
 """
 LONG = """&case tasks = 'poincare' /
 &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
@@ -109,6 +117,7 @@ def folder(tmp_path_factory):
     (path / 'more.nml').write_text(MORE)
     (path / 'rest.nml').write_text(REST)
     (path / 'built.nml').write_text(BUILT)
+    (path / 'torques.nml').write_text(TORQUES)
     (path / 'rated.nml').write_text(RATED)
     return path
 

@@ -146,13 +146,14 @@ def test_escape_ends_the_tour(browser, front):
 
 
 PICTURES = {
-    'case1.nml': ['sweep', 'dte_rms', 'dte_range', 'sweep_map', 'optimum', 'load', 'dte', 'share', 'ste', 'stiffness', 'pair_stiffness', 'profile_error', 'harmonics', 'own'],
+    'case1.nml': ['sweep', 'dte_rms', 'dte_range', 'sweep_map', 'optimum', 'factor_torques', 'factor_map', 'load', 'dte', 'share', 'ste', 'stiffness', 'pair_stiffness', 'profile_error', 'harmonics', 'own'],
     'hassan.nml': ['root', 'modes', 'section'],
     'fzg_c40.nml': ['pressure', 'sliding', 'flash', 'film'],
+    'torques.nml': ['optimum_ste', 'ste_torques', 'ste_map'],
     'precision.nml': ['precision'],
     'deflection_relief.nml': ['relief_flank', 'relief_search'],
     'more.nml': ['stress', 'stability', 'tongues', 'hysteresis', 'ramps', 'poincare', 'section_plane', 'lyapunov', 'attractors', 'basins', 'rating'],
-    'rest.nml': ['largest', 'coast', 'dte_harmonics', 'load_harmonics', 'transient', 'transient_peaks', 'branches', 'life', 'gear_modes', 'frequency', 'campbell', 'body_campbell',
+    'rest.nml': ['largest', 'coast', 'dte_harmonics', 'load_harmonics', 'transient', 'transient_peaks', 'branches', 'branches_factor', 'life', 'gear_modes', 'frequency', 'campbell', 'body_campbell',
                  'torque', 'torque_gear', 'torque_friction', 'torque_harmonics', 'sensitivity'],
     'built.nml': ['as_built', 'assemblies', 'turn', 'teeth', 'orders', 'waterfall'],
 }
@@ -166,7 +167,7 @@ def test_every_picture_is_drawn_here():
 @pytest.mark.parametrize('scheme', ['light', 'dark'])
 @pytest.mark.parametrize('name', PICTURES)
 def test_pictures_are_drawn(name, scheme, browser, front):
-    window = Window(browser, front.address, color_scheme=scheme).open(name, 'folder' if name in ('more.nml', 'rest.nml', 'built.nml') else 'data')
+    window = Window(browser, front.address, color_scheme=scheme).open(name, 'folder' if name in ('more.nml', 'rest.nml', 'built.nml', 'torques.nml') else 'data')
     for picture in PICTURES[name]:
         window.page.select_option('#picture', picture)
         window.page.locator(f'#view[data-picture={picture}]').wait_for()

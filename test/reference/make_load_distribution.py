@@ -16,7 +16,7 @@ import numpy as np
 from teeth.body import Material
 from teeth.cases import CASES
 from teeth.gears import Gear, Pair
-from teeth.member import Member
+from teeth.loaded_gear import LoadedGear
 from teeth.mesh import Mesh, Relief, Switches
 
 TABLE = Path(__file__).with_name('load_distribution.dat')
@@ -37,17 +37,17 @@ HEAD = """\
 """
 
 
-def members(case, pair, material, grid):
+def loaded_gears(case, pair, material, grid):
     """Both gears with their bodies; one for both where they are alike."""
     surface, corner, spread = (np.array(grid) * (case.module, case.module, 1.0)).tolist()
     found = {}
-    for k, gear in enumerate(pair.members()):
+    for k, gear in enumerate(pair.gears()):
         inner = case.bore[k] / 2 or gear.root - min(2.5 * (gear.tip - gear.root), 0.9 * gear.root)
         key = gear.teeth, gear.shift, inner
         if key not in found:
             lowest = pair.roll(k, pair.ratio * k) - 0.4 * gear.module     # the mate's tip sinks in beside A and E
             fixed = ('sides', 'rim') if case.section else ('rim',)
-            found[key] = Member(gear, material, inner, case.section, surface, corner, lowest, fixed, spread=spread)
+            found[key] = LoadedGear(gear, material, inner, case.section, surface, corner, lowest, fixed, spread=spread)
         yield found[key]
 
 
@@ -108,7 +108,7 @@ def blocks(case):
     gears = [Gear(case.teeth[k], case.module, tuple(map(radians, case.angle)), case.shift[k], case.addendum, case.dedendum,
                   case.tip_radius) for k in (0, 1)]
     pair = Pair(*gears)
-    fine, coarse = (list(analyse(Mesh(pair, tuple(members(case, pair, Material(), grid)), case.load), case)) for grid in GRIDS)
+    fine, coarse = (list(analyse(Mesh(pair, tuple(loaded_gears(case, pair, Material(), grid)), case.load), case)) for grid in GRIDS)
     for (amount, switches, figures, rows), (*_, other) in zip(fine, coarse):
         change = rows - other
         grid = np.abs(change[:, 0] - change[:, 0].mean()).max(), np.abs(change[:, 1:]).max()

@@ -2,6 +2,8 @@
 
 import csv
 import dataclasses
+import html
+import io
 import math
 import re
 
@@ -9,7 +11,7 @@ import pytest
 
 import gearsweep
 from validation import __main__ as runner
-from validation import cases, check, ledger, moving_load, page, pictures, published, report, spread
+from validation import cases, check, ledger, moving_load, page, pictures, published, report, spread, three
 
 
 @pytest.fixture
@@ -53,6 +55,35 @@ def test_a_repeat_must_agree(row):
         ledger.check_row(dataclasses.replace(again, printed='2.16'), seen)
 
 
+@pytest.mark.parametrize(('paper', 'pattern'), [(paper, pattern) for paper in ledger.TOGETHER for pattern in ledger.TOGETHER[paper]])
+def test_rows_of_one_contradiction_have_one_status(paper, pattern):
+    rows = ledger.read(paper)
+    at = next(i for i, row in enumerate(rows) if re.fullmatch(pattern, row.id))
+    other = 'stated' if rows[at].inputs == 'not reproducible' else 'not reproducible'
+    changed = [*rows[:at], dataclasses.replace(rows[at], inputs=other), *rows[at + 1:]]
+    ledger.check_together(paper, rows)
+    with pytest.raises(ValueError, match=f'of one status, not .*{other}'):
+        ledger.check_together(paper, changed)
+
+
+@pytest.mark.parametrize(('place', 'rows'), [('Table 2', 18), ('Table 3', 12)])
+def test_the_stresses_of_a_table_have_one_status(place, rows):
+    """Those of Hassan et al.; a von Mises stress is that of the printed components of its row."""
+    found = [row.inputs for row in ledger.read('hassan2009') if (row.place, row.unit) == (place, 'MPa') and row.by != 'printed']
+    assert found == ['not reproducible'] * rows
+
+
+@pytest.mark.parametrize(('name', 'sort'), [
+    ('dogan2021:df1_28', 'dynamic factors'), ('dogan2021:n1_1', 'resonance speeds'), ('dogan2021:best_1', 'reliefs'),
+    ('dogan2021:v_1', 'statements'), ('hassan2009:beam_frequency_rad_s', 'natural frequencies'), ('hassan2009:beam_sigma_y_mpa', 'stresses'),
+    ('hassan2009:dynamic_360_tau_xy', 'stresses'), ('hassan2009:contact_ratio', 'other numbers'), ('thamba2020:shear', 'other numbers'),
+    ('thamba2020:omega', 'other numbers'), ('thamba2020:d_5', 'lengths and diameters'), ('thamba2020:tip_modified', 'strains and deformations'),
+    ('thamba2020:change_gear_1', 'other numbers'), ('karpat2012:hertz_width', 'other numbers'),
+])
+def test_sorts(name, sort):
+    assert ledger.find(*name.split(':')).sort == sort
+
+
 @pytest.mark.parametrize(('printed', 'tolerance', 'allowed'), [
     ('1.388e-3', 'digit', 1e-6), ('1.388e-3', 'digit/2', 0.5e-6), ('110', 'digit', 1), ('300.0000', 'digit/2', 5e-5),
     ('8e10', 'digit/2', 5e9), ('0.5', 'exact', 0), ('-2.0', '5 %', 0.1), ('2', '0.03', 0.03),
@@ -93,6 +124,25 @@ def test_the_last_digit_may_round_otherwise(text, other, alike):
     assert page.same(text, other) == alike
 
 
+def test_the_first_lines_of_the_page_are_of_today():
+    lines = page.first_lines()
+    assert page.PATH.read_text(encoding='utf-8').startswith(f'# Validation\n\n{page.FIRST}\n{lines}\n{page.FIRST_END}\n')
+    assert page.same(lines, three.markdown(three.computed(io.StringIO()))), 'run python -m validation --pages'
+
+
+def test_the_three_checks_by_hand():
+    """The frequencies by Eqs. 1 to 4 of Hassan et al., t/(2 l^2) sqrt(E/rho) with t = pi m/2; what else is printed stands in the papers."""
+    module, steel, common = 25, 2.15e5 / 8.75e-9, 2.07e5 / 7.8e-9
+    height, other = 2.25 * module, 16 * module - 15 * module * math.cos(math.radians(20))
+    by_hand = [math.pi * module / 4 / length**2 * math.sqrt(ratio) for length, ratio in ((height, steel), (other, steel), (other, common))]
+    said = three.computed(io.StringIO())
+    assert re.findall(r'\b\d{5}\b', said[0]) == ['44600', *(f'{value:.0f}' for value in by_hand)] and '39.006' in said[0]
+    assert 'printed 66, 82, 106 and 112 MPa' in said[1] and said[2].startswith('DF 1.25 -> 1.03')
+    factors = [check.compute(ledger.find('dogan2021', id)) for id in ('df_1', 'df1_15')]
+    assert 'ours {:.3f} -> {:.3f}, within 0.03 and 0.02'.format(*factors) in said[2]
+    assert three.text(said).count('\n- ') == 2 and len(said) == 3
+
+
 def test_the_programs_file_is_the_ledgers():
     assert published.PATH.read_text(encoding='utf-8') == published.text(), 'run python -m validation --pages'
 
@@ -117,6 +167,21 @@ def test_runner(tmp_path, capsys):
     assert all(row.quantity.replace("'", '&#x27;') in page for row in ledger.read('karpat2012'))
     assert 'src="http' not in page and 'href="http' not in page
     assert report.made() in page and re.match(r'gearsweep \d+\.\d+\.\d+, 20\d\d-\d\d-\d\d, \w', report.made())
+
+
+def test_the_three_checks_come_last(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(check, 'run', lambda papers: [])
+    monkeypatch.setattr(pictures, 'all_for', lambda papers: [])
+    assert runner.main(['--out', str(tmp_path)]) == 0
+    said = capsys.readouterr()
+    text = three.text(three.computed(io.StringIO()))
+    assert said.out.endswith(f'\n{text}\n') and 'hassan2009: 165 rows ...' in said.err
+    assert all(f'<li>{html.escape(one)}</li>' in (tmp_path / 'report.html').read_text() for one in three.computed(io.StringIO()))
+    assert runner.main(['--three']) == 0
+    said = capsys.readouterr()
+    assert said.out == f'{text}\n' and said.err.count('Check ') == 3
+    monkeypatch.setattr(check, 'agrees', lambda row, ours: False)
+    assert runner.main(['--three']) == 1 and 'NOT within 0.03' in ' '.join(capsys.readouterr().out.split())
 
 
 def test_every_paper_has_its_picture():
@@ -147,6 +212,12 @@ def test_wrong_usage(arguments, capsys):
 
 
 def test_every_row_is_counted_once():
-    outcomes = check.run(['karpat2012'])
+    outcomes = check.run(['karpat2012', 'hassan2009'])
     header, lines = report.summary(outcomes)
-    assert all(line[1] == sum(line[2:]) for line in lines) and len(header) == len(lines[0])
+    assert all(line[1] == sum(line[2:5]) + line[-1] and line[4] == sum(line[5:-1]) for line in lines) and len(header) == len(lines[0])
+    header, sorts = report.summary_of_results(outcomes)
+    assert all(line[1] == sum(line[2:-1]) for line in sorts) and len(header) == len(sorts[0])
+    assert sorts[-1] == ('all', *lines[-1][4:]) == ('all', *map(sum, zip(*(line[1:] for line in sorts[:-1]))))
+    named = {line[0]: line[1] + line[-1] for line in sorts[:-1]}
+    hertz = [row for row in ledger.read('hassan2009') if re.search('frequency', row.quantity) and row.kind == 'result' and not row.repeats]
+    assert named['natural frequencies'] == len(hertz) == 13

@@ -15,8 +15,10 @@ doc/many.md has it with processes, Dask, stores, statistics and pictures. It nee
 """
 
 import importlib
+import importlib.util
 
-from . import needs as _needs
+from .execution import NoWorkerWarning
+from .functions import function as _function
 from .plan import Plan
 from .reading import case_of, counts, failures, open
 from .robust import Robust, robust
@@ -24,7 +26,11 @@ from .run import run
 from .statistics import quantiles, sensitivity
 from .status import Status
 
-_needs.check()
+# They are loaded on first use, which is not in the computing processes.
+for _package in ('scipy', 'xarray', 'zarr'):
+    if importlib.util.find_spec(_package) is None:
+        raise ModuleNotFoundError(f"gearsweep.many needs {_package}, which is not installed: pip install 'gearsweep[many]'", name=_package)
+Plan.function = _function
 PENDING, OK, PARTIAL, REFUSED, FAILED, CRASHED, LATE = Status
 
 __all__ = [
@@ -35,6 +41,7 @@ __all__ = [
     'PARTIAL',
     'PENDING',
     'REFUSED',
+    'NoWorkerWarning',
     'Plan',
     'Robust',
     'Status',
@@ -56,7 +63,7 @@ _PLOTS = ('plot_band', 'plot_distribution', 'plot_indices', 'plot_scatter')
 
 
 def __getattr__(name: str):
-    """Pictures, which load matplotlib."""
+    """Returns a plot function, which loads matplotlib."""
     if name in _PLOTS:
-        return getattr(importlib.import_module('..plots.many', __name__), name)
+        return getattr(importlib.import_module('.pictures', __name__), name)
     raise AttributeError(f'module {__name__!r} has no attribute {name!r}')

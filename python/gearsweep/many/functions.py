@@ -4,24 +4,40 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._library import Error, PartialWarning
-
-if TYPE_CHECKING:
-    from .plan import Plan
+from ..core.library import Error, PartialWarning
+from .plan import Plan
+from .run import TRIED, NoResult, run
 
 Reals = NDArray[np.float64]
 
 
-def function(plan: Plan, take: str | Sequence[str], executor: Any, axis: int, seconds: float | None) -> Callable[[Reals], Reals]:
-    """f(X) as `Plan.function` describes it."""
-    from .plan import Plan
-    from .run import TRIED, NoResult, run
+def function(
+    plan: Plan, take: str | Sequence[str], executor: Any = None, *, axis: int = 0, seconds: float | None = None
+) -> Callable[[Reals], Reals]:
+    """Returns the variants as a function f(X) of the values of `names`, for SALib, SciPy, OpenTURNS and optuna.
 
+    Parameters
+    ----------
+    take : 'table.column' or several
+        A number of each variant, or several.
+    executor
+        As of `run`.
+    axis : {0, 1}
+        X has a row for each variant, as SALib and OpenTURNS have it, and f(X) too; 1: a column, as `scipy.stats.sobol_indices`.
+    seconds : float, optional
+        As of `run`.
+
+    Returns
+    -------
+    callable
+        f(X) of shape (n,), or (n, k) of several columns; with axis 1 (n,) or (k, n). A single row gives a single value. Variants
+        without a number are NaN, and a `PartialWarning` reports their number.
+    """
     names = [take] if isinstance(take, str) else list(take)
     if axis not in (0, 1):
         raise Error(f'axis = {axis}: must be 0 or 1')
@@ -36,7 +52,7 @@ def function(plan: Plan, take: str | Sequence[str], executor: Any, axis: int, se
             data = run(table, names, executor=executor, seconds=seconds)
             found = np.column_stack([_scalar(data[name]) for name in names])
         except NoResult:
-            if len(rows) > TRIED:  # others may have one
+            if len(rows) > TRIED:  # later ones may have one
                 raise
             found = np.full((len(rows), len(names)), np.nan)
         if missing := int(np.isnan(found).any(axis=1).sum()):

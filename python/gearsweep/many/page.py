@@ -1,4 +1,4 @@
-"""A store as one page of HTML that stands alone: counts, keys, quantiles or indices, pictures, and the variants that failed."""
+"""Report of a store as one self-contained page of HTML: counts, keys, quantiles or indices, pictures, and failed variants."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._files import replacing
-from .._library import Error
-from .._page import STYLE
+from ..core.files import replacing
+from ..core.library import Error
+from ..report.page import STYLE
 from . import reading
 from . import store as stores
+from .inputs import described
 from .statistics import quantiles, sensitivity, with_band
-from .store import VARIANT
+from .store import STATUS, VARIANT
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-#: So many variants that failed are listed.
+#: Largest number of failed variants in the list.
 _LISTED = 100
-#: Columns of more numbers are left out: a page does not read gigabytes.
+#: Columns with more numbers are omitted: a page does not read gigabytes.
 _LARGEST = 30_000_000
 _Q = (0.05, 0.5, 0.95)
 
@@ -45,53 +46,52 @@ def write(store: str | os.PathLike, path: str | os.PathLike) -> None:
         Path(new).write_text(page(store), 'utf-8', 'replace')
 
 
+def stamp(store: str | os.PathLike[str]) -> object:
+    """Returns a mark that changes with each written block: files, sizes and times of the statuses, which are written last."""
+    found = []
+    for folder in (os.fspath(store), os.path.join(store, STATUS, 'c')):
+        try:
+            with os.scandir(folder) as entries:
+                found += [(one.path, seen.st_size, seen.st_mtime_ns, seen.st_ino) for one in entries if one.is_file() for seen in (one.stat(),)]
+        except OSError:
+            continue
+    return sorted(found)
+
+
 def page(store: str | os.PathLike) -> str:
-    """The page of a store, also while it is written; with pictures where matplotlib is installed."""
+    """Builds the page of a store, also while it is written; with pictures if matplotlib is installed."""
     data = reading.open(store)
     large = [str(name) for name, one in data.data_vars.items() if one.size > _LARGEST]
     data = data.drop_vars(large).load()
     about = stores.read(store).about
     title = html.escape(f'{os.path.basename(os.fspath(store).rstrip("/"))}: {data.sizes[VARIANT]} variants')
     counts = reading.counts(data)
-    told = data.attrs
-    made = f'Computed by gearsweep {told["version"]}; plan {told["kind"]}, seed {told["seed"]}, OpenBLAS kernel {told["OpenBLAS kernel"]}'
+    attributes = data.attrs
+    origin = f'Computed by gearsweep {attributes["version"]}; plan {attributes["kind"]}, seed {attributes["seed"]}, OpenBLAS kernel {attributes["OpenBLAS kernel"]}'
+    omitted = [f'<p class="warning">Not on this page, as they have more than {_LARGEST:.0e} numbers each: {html.escape(", ".join(large))}.</p>'] if large else []
     return '\n'.join([
         '<!doctype html>', '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">', f'<title>{title}</title>',
         f'<style>{STYLE}</style></head><body>', f'<h1>{title}</h1>',
-        f'<p class="meaning">{html.escape(made)}; written on {date.today().isoformat()}.</p>',
+        f'<p class="meaning">{html.escape(origin)}; written on {date.today().isoformat()}.</p>',
         '<h2>Variants</h2>', _table(('status', 'variants'), list(counts.items())),
-        '<h2>Keys</h2>', _table(('key', 'values'), [(one['name'], _told(one)) for one in about['plan']['keys'] if 'name' in one]),
-        '<h2>Results</h2>', *_left_out(large), *_results(data, 'pending' in counts),
+        '<h2>Keys</h2>', _table(('key', 'values'), [(one['name'], described(one)) for one in about['plan']['keys'] if 'name' in one]),
+        '<h2>Results</h2>', *omitted, *_results(data, 'pending' in counts),
         '<h2>Pictures</h2>', *_pictures(data),
         '<h2>Without a plain result</h2>', *_failures(store),
         '<h2>Case</h2>', f'<pre>{html.escape(about["plan"]["case"])}</pre>', '</body></html>',
     ])  # fmt: skip
 
 
-def _told(one: dict[str, Any]) -> str:
-    """What a key takes, as the store remembers it."""
-    if 'values' in one:
-        shown = ', '.join(f'{value:g}' if isinstance(value, float) else str(value) for value in one['values'][:8])
-        return shown + (' ...' if len(one['values']) > 8 else '') or 'as in the table'
-    more = [f'{name} = {value:g}' for name, value in one.items() if isinstance(value, float)]
-    return f'{one["distribution"]}({", ".join([*(f"{value:g}" for value in one["args"]), *more])})'
-
-
-def _left_out(names: list[str]) -> Iterator[str]:
-    if names:
-        yield f'<p class="warning">Not on this page, as they have more than {_LARGEST:.0e} numbers each: {html.escape(", ".join(names))}.</p>'
-
-
 def _results(data: xarray.Dataset, pending: bool) -> Iterator[str]:
-    """Quantiles with bands of columns of one number, or Sobol' indices."""
+    """Formats quantiles with bands of columns of one number, or Sobol' indices."""
     rows: list[tuple[Any, ...]] = []
     if pending:
-        yield '<p class="warning">The run is not at its end; the numbers come with it.</p>'
+        yield '<p class="warning">The run is not complete; numbers appear at its end.</p>'
         return
     saltelli = data.attrs['kind'] == 'saltelli'
     for column in _columns(data, 0):
-        with warnings.catch_warnings(record=True) as said:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter('always')
             try:
                 if saltelli:
@@ -103,7 +103,7 @@ def _results(data: xarray.Dataset, pending: bool) -> Iterator[str]:
                     rows.append((column.name, *(_band(found.sel(q=q), 'value', 'lower', 'upper') for q in _Q)))
             except Error as error:
                 yield f'<p class="meaning">{html.escape(str(error))}</p>'
-        yield from (f'<p class="warning">{html.escape(str(one.message))}</p>' for one in said)
+        yield from (f'<p class="warning">{html.escape(str(one.message))}</p>' for one in caught)
     if rows:
         yield _table(('column', 'key', 'first order', 'total') if saltelli else ('column', *(f'{100 * q:g} %' for q in _Q)), rows)
 
@@ -113,7 +113,7 @@ def _band(found: xarray.Dataset, value: str, lower: str, upper: str) -> str:
 
 
 def _columns(data: xarray.Dataset, more: int) -> Iterator[xarray.DataArray]:
-    """Outputs over the variants and so many dimensions more."""
+    """Lists outputs over the variants and `more` further dimensions."""
     for column in data.data_vars.values():
         if 'points' in column.attrs and column.dims[0] == VARIANT and column.ndim == 1 + more:
             yield column
@@ -121,12 +121,12 @@ def _columns(data: xarray.Dataset, more: int) -> Iterator[xarray.DataArray]:
 
 def _pictures(data: xarray.Dataset) -> Iterator[str]:
     try:
-        from ..plots.many import ACROSS, plot_band, plot_distribution, plot_indices, plot_scatter
+        from .pictures import ACROSS, plot_band, plot_distribution, plot_indices, plot_scatter
     except ImportError:
         yield '<p class="meaning">None: they need matplotlib.</p>'
         return
     rows = -(-len(data.attrs['inputs']) // ACROSS)
-    drawn: list[tuple[str, Any, int]] = []  # and how many rows of pictures
+    drawn: list[tuple[str, Any, int]] = []  # and the number of rows of pictures
     for column in _columns(data, 0):
         drawn.append((f'{column.name} over each key', lambda figure, name=column.name: plot_scatter(data, name, figure), rows))
         if data.attrs['kind'] == 'saltelli':
@@ -139,19 +139,19 @@ def _pictures(data: xarray.Dataset) -> Iterator[str]:
     for at, (caption, draw, rows) in enumerate(drawn):
         try:
             yield f'<figure>{_svg(draw, at, rows)}<figcaption>{html.escape(caption)}</figcaption></figure>'
-        except Error:  # of points that are no sample, or too few; told above
+        except Error:  # points that are no sample, or too few; reported above
             continue
 
 
 def _svg(draw: Any, at: int, rows: int) -> str:
-    """A drawing whose names do not clash with those of others on the page."""
+    """Draws a picture whose names do not clash with those of others on the page."""
     from matplotlib.figure import Figure
 
     from ..plots import save, style
     from ..plots.look import MM, PAGE
 
     with warnings.catch_warnings(), style():
-        warnings.simplefilter('ignore')  # told above
+        warnings.simplefilter('ignore')  # reported above
         figure: Figure = Figure(figsize=(PAGE, 60 * MM * rows), layout='constrained')
         draw(figure)
         buffer = io.BytesIO()

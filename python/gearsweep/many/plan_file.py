@@ -1,29 +1,33 @@
-"""A plan as a text file (TOML): what `gearsweep many PLAN.toml` runs."""
+"""A plan as a text file (TOML), for `gearsweep many PLAN.toml`."""
 
 from __future__ import annotations
 
-import csv
+import json
 import os
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .._files import content
-from .._library import Code, Error, declared
-from ..case import Case
-from ..table import meant
+from ..core.case import Case
+from ..core.files import content
+from ..core.library import Code, Error, declared, edit
+from ..core.table import suggestion
+from ..core.texts import ascii_hint, decoded
 from .inputs import input_of
 from .plan import Plan
+from .points import FEWEST_SCRAMBLES
 
 KINDS = ('sobol', 'random', 'lhs', 'saltelli', 'grid', 'table')
-#: How a table may write a logical: as a case does, or a spreadsheet.
+#: Forms of a logical in a table: those of a case, and those of a spreadsheet.
 _LOGICALS = {'.true.': True, '.false.': False, 'true': True, 'false': False}
-#: What may stand in the file, of which kind.
+#: Allowed entries of the file, with their types.
 _TYPES: dict[str, tuple[tuple[type, ...], str]] = {
     'case': ((str,), 'the name of a file with a case'),
     'kind': ((str,), ', '.join(KINDS)),
     'n': ((int,), 'a whole number'),
     'seed': ((int,), 'a whole number of at least 0'),
-    'scrambles': ((int,), 'a whole number of at least 2'),
+    'scrambles': ((int,), f'a whole number of at least {FEWEST_SCRAMBLES}'),
     'table': ((str,), 'the name of a file (CSV)'),
     'take': ((str, list), "a column 'table.column' or a list of them"),
     'store': ((str,), 'the name of a folder'),
@@ -36,7 +40,7 @@ _TYPES: dict[str, tuple[tuple[type, ...], str]] = {
 
 @dataclass(frozen=True)
 class PlanFile:
-    """What a file tells.
+    """Contents of a file.
 
     Attributes
     ----------
@@ -55,7 +59,7 @@ class PlanFile:
 
 
 def read(path: str) -> PlanFile:
-    """Reads a plan; files that it names lie beside it.
+    """Reads a plan; relative names of files in it refer to its folder.
 
     Raises
     ------
@@ -64,67 +68,70 @@ def read(path: str) -> PlanFile:
     """
     import tomllib
 
+    text = decoded(content(path), path).removeprefix('\ufeff').replace('\r\n', '\n').replace('\r', '\n').rstrip('\x1a')
     try:
-        told = tomllib.loads(content(path).decode())
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise Error(f'{path}: is no TOML: {error}') from error
+        entries = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        place = re.search(r'at line (\d+), column (\d+)', str(error))
+        letter = ''.join(text.split('\n')[int(place[1]) - 1 : int(place[1])])[int(place[2]) - 1 : int(place[2])] if place else ''
+        raise Error(f'{path}: is no TOML: {error}{ascii_hint(letter)}') from error
     try:
-        return _plan_file(told, os.path.dirname(path), os.path.splitext(path)[0] + '.zarr')
+        return _plan_file(entries, os.path.dirname(path), os.path.splitext(path)[0] + '.zarr')
     except Error as error:
         raise Error(f'{path}: {error}', error.code) from error
 
 
-def _plan_file(told: dict[str, Any], folder: str, store: str) -> PlanFile:
-    for name, value in told.items():
+def _plan_file(entries: dict[str, Any], folder: str, store: str) -> PlanFile:
+    for name, value in entries.items():
         if name not in _TYPES:
-            raise Error(f'{name}: unknown{meant(name, _TYPES)}')
+            raise Error(f'{name}: unknown{suggestion(name, _TYPES)}')
         kinds, allowed = _TYPES[name]
         if not isinstance(value, kinds) or isinstance(value, bool):
             raise Error(f'{name} = {value!r}: must be {allowed}')
     for name in ('case', 'kind', 'take'):
-        if name not in told:
+        if name not in entries:
             raise Error(f'{name}: missing; must be {_TYPES[name][1]}')
-    take = [told['take']] if isinstance(told['take'], str) else told['take']
+    take = [entries['take']] if isinstance(entries['take'], str) else entries['take']
     for one in take:
         if not isinstance(one, str):
             raise Error(f"take = {one!r}: must be a column 'table.column'")
-    case = Case.read(os.path.join(folder, told['case']))
+    case = Case.read(os.path.join(folder, entries['case']))
     try:
-        case = case.changed(**_groups(told, 'change'))
+        case = case.changed(**_groups(entries, 'change'))
     except Error as error:
         raise Error(f'[change]: {error}', error.code) from error
-    return PlanFile(_plan(case, told, folder), take, os.path.join(folder, told['store']) if 'store' in told else store,
-                    told.get('size'), told.get('seconds'))  # fmt: skip
+    return PlanFile(_plan(case, entries, folder), take, os.path.join(folder, entries['store']) if 'store' in entries else store,
+                    entries.get('size'), entries.get('seconds'))  # fmt: skip
 
 
-def _groups(told: dict[str, Any], what: str) -> dict[str, dict[str, Any]]:
-    groups = told.get(what, {})
+def _groups(entries: dict[str, Any], what: str) -> dict[str, dict[str, Any]]:
+    groups = entries.get(what, {})
     for group, keys in groups.items():
         if not isinstance(keys, dict):
             raise Error(f'[{what}] {group} = {keys!r}: must be a table of keys, [{what}.{group}]')
     return groups
 
 
-def _plan(case: Case, told: dict[str, Any], folder: str) -> Plan:
-    kind = told['kind']
+def _plan(case: Case, entries: dict[str, Any], folder: str) -> Plan:
+    kind = entries['kind']
     if kind not in KINDS:
         raise Error(f'kind = {kind!r}: must be one of {", ".join(KINDS)}')
     uses = {'sobol': ('n', 'seed', 'scrambles', 'vary'), 'grid': ('vary',), 'table': ('table',)}.get(kind, ('n', 'seed', 'vary'))
     for name in ('n', 'seed', 'scrambles', 'vary', 'table'):
-        if name in told and name not in uses:
+        if name in entries and name not in uses:
             raise Error(f'{name}: is not used with kind = {kind!r}')
     for name in ('n', 'vary', 'table'):
-        if name in uses and name not in told:
+        if name in uses and name not in entries:
             raise Error(f'{name}: missing; must be {_TYPES[name][1]}')
     if kind == 'table':
-        return Plan.table(case, _table(os.path.join(folder, told['table'])))
-    groups = {group: {key: _given(group, key, value) for key, value in keys.items()} for group, keys in _groups(told, 'vary').items()}
-    options = {name: told[name] for name in ('n', 'seed', 'scrambles') if name in told}
+        return Plan.table(case, _table(os.path.join(folder, entries['table'])))
+    groups = {group: {key: _domain(group, key, value) for key, value in keys.items()} for group, keys in _groups(entries, 'vary').items()}
+    options = {name: entries[name] for name in ('n', 'seed', 'scrambles') if name in entries}
     return getattr(Plan, kind)(case, **options, **groups)
 
 
-def _given(group: str, key: str, value: Any) -> Any:
-    """A list, or the distribution that a table tells."""
+def _domain(group: str, key: str, value: Any) -> Any:
+    """Returns a list, or the distribution that a table describes."""
     place = f'[vary.{group}] {key}'
     if isinstance(value, list):
         try:
@@ -136,7 +143,7 @@ def _given(group: str, key: str, value: Any) -> Any:
         raise Error(f"{place} = {value!r}: must be a list of values, or {{distribution = 'norm', loc = ..., scale = ...}}")
     numbers = dict(value)
     name = numbers.pop('distribution', None)
-    found = _frozen(place, name, numbers)
+    found = _distribution(place, name, numbers)
     try:
         input_of(group, key, found)
     except Error as error:
@@ -144,7 +151,7 @@ def _given(group: str, key: str, value: Any) -> Any:
     return found
 
 
-def _frozen(place: str, name: Any, numbers: dict[str, Any]) -> Any:
+def _distribution(place: str, name: Any, numbers: dict[str, Any]) -> Any:
     import reprlib
 
     import numpy as np
@@ -153,7 +160,7 @@ def _frozen(place: str, name: Any, numbers: dict[str, Any]) -> Any:
     known = [one for one in dir(stats) if isinstance(getattr(stats, one), (stats.rv_continuous, stats.rv_discrete))]
     if name not in known:
         raise Error(f"{place}: distribution = {name!r}: must be one of scipy.stats, such as 'norm', 'truncnorm', 'uniform'"
-                    f'{meant(name, known) if isinstance(name, str) and "did you" in meant(name, known) else ""}')  # fmt: skip
+                    f'{suggestion(name, known) if isinstance(name, str) and "did you" in suggestion(name, known) else ""}')  # fmt: skip
     kind = getattr(stats, name)
     allowed = [*(kind.shapes or '').replace(',', ' ').split(), 'loc', *(['scale'] if isinstance(kind, stats.rv_continuous) else [])]
     for word, number in numbers.items():
@@ -169,7 +176,7 @@ def _frozen(place: str, name: Any, numbers: dict[str, Any]) -> Any:
     if missing:
         raise Error(f'{place}: {", ".join(missing)}: missing; {name} has the numbers {", ".join(allowed)}')
     found = kind(**numbers)
-    with np.errstate(all='ignore'):  # told below
+    with np.errstate(all='ignore'):  # reported below
         middle = found.ppf(0.5)
     if not np.isfinite(middle):
         raise Error(f'{place}: {name} is not possible with {", ".join(f"{word} = {number:g}" for word, number in numbers.items())}')
@@ -177,31 +184,29 @@ def _frozen(place: str, name: Any, numbers: dict[str, Any]) -> Any:
 
 
 def _table(path: str) -> dict[str, list[Any]]:
-    """The columns of a CSV file, as the keys take them that they are called by: words, logicals, or numbers where one of the column is."""
-    reader = csv.reader(content(path).decode('utf-8-sig', 'replace').splitlines())
-    rows = [(reader.line_num, row) for row in reader if row and not row[0].startswith('#')]
-    if len(rows) < 2 or any(len(row) != len(rows[0][1]) for _, row in rows):
-        raise Error(f'{path}: must be a table (CSV) with a line of names and the same number of values in each row', Code.INPUT)
-    names = [name.strip() for name in rows[0][1]]
+    """Reads the columns of a CSV file for the keys in its head: words, logicals, or numbers if one of the column is a number."""
+    table = json.loads(edit('table', decoded(content(path), path), key=path))
+    if len(table) < 2:
+        raise Error(f'{path}: must be a table (CSV) with a line of names and a row of values for each variant', Code.INPUT)
+    (_, *names), rows = table[0], table[1:]
     for name in names:
         if names.count(name) > 1:
             raise Error(f'{path}: has two columns {name}', Code.INPUT)
     kinds = {f'{one["group"]}.{one["name"]}': one['kind'] for one in declared()['keys']}
-    lines = [line for line, _ in rows[1:]]
-    return {name: _values(f'{path}: column {name}', kinds.get(name.lower()), lines, [row[at].strip() for _, row in rows[1:]])
-            for at, name in enumerate(names)}  # fmt: skip
+    lines, *columns = zip(*rows)
+    return {name: _values(f'{path}: column {name}', kinds.get(name.lower()), lines, words) for name, words in zip(names, columns)}
 
 
-def _values(place: str, kind: str | None, lines: list[int], words: list[str]) -> list[Any]:
-    """The cells of a column, which stand in these lines."""
+def _values(place: str, kind: str | None, lines: Sequence[int], words: Sequence[str]) -> list[Any]:
+    """Reads the cells of a column; `lines` are their lines in the file."""
     if kind == 'logical':
         return [_LOGICALS.get(word.lower(), word) for word in words]
     found = [_number(word) for word in words]
     if None not in found:
         return found
-    if kind in ('number', 'integer') and any(one is not None for one in found):
-        at = found.index(None)
-        raise Error(f'{place}, line {lines[at]}: {words[at]!r}: must be a number, as others of the column are', Code.INPUT)
+    at = found.index(None)
+    if kind in ('number', 'integer') and (ascii_hint(words[at]) or any(one is not None for one in found)):
+        raise Error(f'{place}, line {lines[at]}: {words[at]!r}: must be a number, as others of the column are{ascii_hint(words[at])}', Code.INPUT)
     return list(words)
 
 

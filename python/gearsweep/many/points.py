@@ -1,4 +1,4 @@
-"""Points in the unit cube, the same for any blocks in which they are asked for."""
+"""Points in the unit cube, the same for any division into blocks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Reals = NDArray[np.float64]
-#: Of a coordinate; half of the last one more keeps it off 0 and 1.
+#: Least number of scrambles for a band: with 2, one for 95 % held 75 to 91 % of the time.
+FEWEST_SCRAMBLES = 4
+#: Bits of a coordinate; half of the last one is added, so that it is neither 0 nor 1.
 _BITS = 30
 
 
@@ -35,7 +37,7 @@ class Sobol:
 
     @staticmethod
     def _points(engine, begin: int, end: int) -> Reals:
-        """Goes on from where the engine stands, as going back is to begin anew."""
+        """Continues from the position of the engine; to go back it starts again."""
         import warnings
 
         if engine.num_generated > begin:
@@ -43,12 +45,12 @@ class Sobol:
         if engine.num_generated < begin:
             engine.fast_forward(begin - engine.num_generated)
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore', UserWarning)  # a block need not be a power of 2; the whole is
+            warnings.simplefilter('ignore', UserWarning)  # a block need not be a power of 2; all points are
             return engine.random(end - begin)
 
 
 def random(first: int, stop: int, d: int, seed: int) -> Reals:
-    """Independent points, by a generator that counts (Philox)."""
+    """Returns independent points, by a counter-based generator (Philox)."""
     each = -(-d // 4)  # it draws four numbers at a time
     source = np.random.Philox(np.random.SeedSequence(seed))
     source.advance(first * each)
@@ -58,7 +60,9 @@ def random(first: int, stop: int, d: int, seed: int) -> Reals:
 
 @functools.lru_cache(maxsize=2)
 def lhs(n: int, d: int, seed: int) -> Reals:
-    """A Latin hypercube: in each direction one point in each of n equal parts. All of it is kept, as no part stands alone."""
+    """Returns a Latin hypercube: in each direction one point in each of n equal parts. All of it is computed, as its parts
+    depend on each other.
+    """
     found = np.empty((n, d))
     for one in range(d):
         source = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(one,)))
@@ -69,9 +73,9 @@ def lhs(n: int, d: int, seed: int) -> Reals:
 
 
 def saltelli(points: Sobol, first: int, stop: int, d: int) -> Reals:
-    """Rows for Sobol' indices, in SALib's order: of each base point its row A, then A with each column of B in turn, then B.
+    """Rows for Sobol' indices, in SALib's order: for each base point its row A, then A with each column of B in turn, then B.
 
-    `points` has the dimension 2 d: A beside B.
+    `points` has the dimension 2 d: the columns of A, then those of B.
     """
     each = d + 2
     begin, end = first // each, -(-stop // each)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._library import Error
-from ..case import Case
+from ..core.case import Case
+from ..core.library import Error
 from . import store as stores
 from .inputs import Key, case_with
 from .status import Status
@@ -20,9 +20,10 @@ if TYPE_CHECKING:
 
 
 def open(path: str | os.PathLike) -> xarray.Dataset:
-    """What is in a store, also while it is written: inputs, outputs and `status` over the dimension `variant`.
+    """Opens a store, also while it is written: outputs and `status` over the dimension `variant`, with the varied keys as
+    coordinates. The attributes of `status` explain its integers.
 
-    Values are read from the files when they are asked for. `attrs` have the plan as it is told to the store.
+    Values are read from the files on access. `attrs` have the plan as stored.
 
     Raises
     ------
@@ -32,39 +33,40 @@ def open(path: str | os.PathLike) -> xarray.Dataset:
     return dataset(stores.read(path))
 
 
-def dataset(kept: Store) -> xarray.Dataset:
-    """The arrays of a store as a Dataset."""
+def dataset(store: Store) -> xarray.Dataset:
+    """Builds a Dataset of the arrays of a store."""
     import xarray
     from xarray.core import indexing
 
     class Lazy(xarray.backends.BackendArray):
-        """Values that are read when they are asked for, with an `Error` where they are damaged."""
+        """Values that are read on access, with an `Error` if they are damaged."""
 
         def __init__(self, name: str):
-            self.name, self.shape, self.dtype = name, kept.group[name].shape, kept.group[name].dtype
+            self.name, self.shape, self.dtype = name, store.group[name].shape, store.group[name].dtype
 
         def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
-            return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, lambda at: kept.values(self.name, at))
+            return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, lambda at: store.values(self.name, at))
 
     def variable(name: str) -> xarray.Variable:
-        array = kept.group[name]
+        array = store.group[name]
         values = indexing.MemoryCachedArray(indexing.LazilyIndexedArray(Lazy(name)))
         return xarray.Variable(array.metadata.dimension_names, values, dict(array.attrs))
 
-    about = kept.about
+    about = store.about
     plan = about['plan']
-    names = [*about['names'], *(one['name'] for one in kept.outputs()), STATUS]
-    along = {name: (name, kept.along(name), {'units': one['unit']}) for name, one in about['coordinates'].items()}
-    data = xarray.Dataset({name: variable(name) for name in names}, along)
-    if not kept.path:
+    names = [*(one['name'] for one in store.outputs()), STATUS]
+    keys = {name: variable(name) for name in about['names']}
+    along = {name: (name, store.along(name), {'units': one['unit']}) for name, one in about['coordinates'].items()}
+    data = xarray.Dataset({name: variable(name) for name in names}, keys | along)
+    if not store.path:
         data = data.load()
-    data.attrs = {'store': kept.path, 'mark': about['mark'], 'kind': plan['kind'], 'seed': plan['seed'], 'version': plan['version'],
+    data.attrs = {'store': store.path, 'mark': about['mark'], 'kind': plan['kind'], 'seed': plan['seed'], 'version': plan['version'],
                   'OpenBLAS kernel': plan['OpenBLAS kernel'], 'inputs': list(about['names'])}  # fmt: skip
     return data
 
 
 def failures(path: str | os.PathLike) -> pandas.DataFrame:
-    """The variants that are done but have no plain result, those in part too: variant, status, message, and the values of the keys.
+    """Returns the variants without a complete result: variant, status, message, and the values of the keys.
 
     Raises
     ------
@@ -73,48 +75,45 @@ def failures(path: str | os.PathLike) -> pandas.DataFrame:
     """
     import pandas
 
-    kept = stores.read(path)
-    status = kept.status()
+    store = stores.read(path)
+    status = store.status()
     bad = np.flatnonzero((status != Status.PENDING) & (status != Status.OK))
+    messages = [stores.message(row) for row in store.values(stores.MESSAGE, bad)] if bad.size else []
     rows = [
         {'variant': int(at), 'status': Status(status[at]).name.lower(), 'message': message}
-        | {key.name: key.written(value) for key, value in zip(_keys(kept), values)}
-        for at, message, values in zip(bad, _messages(kept, bad), _values(kept, bad))
+        | {key.name: key.formatted(value) for key, value in zip(_keys(store), values)}
+        for at, message, values in zip(bad, messages, _values(store, bad))
     ]
-    return pandas.DataFrame(rows, columns=['variant', 'status', 'message', *kept.about['names']])
+    return pandas.DataFrame(rows, columns=['variant', 'status', 'message', *store.about['names']])
 
 
 def case_of(path: str | os.PathLike, variant: int) -> Case:
-    """The case of a variant that is done, to look at it alone.
+    """Returns the case of a finished variant, for a run of its own.
 
     Raises
     ------
     Error
-        There is no such store or variant, or it is not done.
+        There is no such store or variant, or it is not finished.
     """
-    kept = stores.read(path)
+    store = stores.read(path)
     if isinstance(variant, bool) or not isinstance(variant, (int, np.integer)):
         raise Error(f'variant {variant!r}: must be a whole number')
-    if not 0 <= variant < kept.n or not kept.status()[variant]:
-        raise Error(f'{kept.path}: variant {variant} is not there')
-    base = Case(kept.about['plan']['case'], kept.about['folder'])
-    return case_with(base, _keys(kept), _values(kept, np.array([variant]))[0])
+    if not 0 <= variant < store.n or not store.status()[variant]:
+        raise Error(f'{store.path}: variant {variant} is not there')
+    base = Case(store.about['plan']['case'], store.about['folder'])
+    return case_with(base, _keys(store), _values(store, np.array([variant]))[0])
 
 
-def _keys(kept: Store) -> list[Key]:
+def _keys(store: Store) -> list[Key]:
     return [Key(one['group'], one['key'], one['whole'], None if one['choices'] is None else tuple(one['choices']))
-            for one in kept.about['keys']]  # fmt: skip
+            for one in store.about['keys']]  # fmt: skip
 
 
-def _values(kept: Store, at: np.ndarray) -> np.ndarray:
-    return np.column_stack([kept.values(name, at) for name in kept.about['names']]) if at.size else np.empty((0, 0))
-
-
-def _messages(kept: Store, at: np.ndarray) -> list[str]:
-    return [stores.message(row) for row in kept.values(stores.MESSAGE, at)] if at.size else []
+def _values(store: Store, at: np.ndarray) -> np.ndarray:
+    return np.column_stack([store.values(name, at) for name in store.about['names']]) if at.size else np.empty((0, 0))
 
 
 def counts(data: xarray.Dataset) -> dict[str, int]:
-    """How many variants have which status."""
+    """Counts the variants by status."""
     status = data.status.values
     return {one.name.lower(): int((status == one).sum()) for one in Status if (status == one).any()}

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._library import Error, PartialWarning
-from ..case import Case
-from . import clusters
-from .judged import INEXACT, LACKS, NOMINAL, SAMPLE, find
+from ..core.case import Case
+from ..core.library import Error, PartialWarning
+from . import cluster_quantiles
+from .criteria import CRITERIA, INEXACT, LACKS, NOMINAL, SAMPLE, Criterion, criterion
 from .plan import Plan
 from .reading import failures
 from .run import Progress, run
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Reals = NDArray[np.float64]
-#: Candidates are compared draw by draw, of which they have the same.
+#: Candidates are compared draw by draw, as they have the same draws.
 _SAME = ('deviations.draws', 'deviations.seed', 'deviations.assembly')
 
 
@@ -38,18 +38,18 @@ class Robust:
     table : Dataset
         A row for each `candidate`, with the keys that are varied as coordinates.
 
-        - `nominal`: the judged number, such as the largest dynamic factor over the speeds, without deviations
-        - `median`, `value`: the median and the wanted quantile of the same as built
+        - `nominal`: value of the criterion, such as the largest dynamic factor over the speeds, without deviations
+        - `median`, `value`: median and requested quantile of this number as built
         - `lower`, `upper`: band of `value`; NaN where there are too few draws for this end
         - `worse`, `worse_lower`, `worse_upper`: by how much `value` is above that of the best candidate, with the band of this difference,
           NaN where one of the two bands lacks an end
         - `best_share`: in which share of samples of the draws the candidate is the best; NaN where a band lacks an end
 
-        `attrs` have what is judged, quantile, confidence, draws, assemblies, and draws and candidates that are left out.
+        `attrs` have the criterion, quantile, confidence, draws, assemblies, and the omitted draws and candidates.
     factors : DataArray
-        The judged numbers that all follow from, over load, candidate, draw and assembly.
+        Values of the criterion, from which all results follow, over load, candidate, draw and assembly.
     plan : Plan
-        What was computed.
+        Plan of the computation.
     """
 
     table: xarray.Dataset
@@ -58,27 +58,29 @@ class Robust:
 
     @property
     def best(self) -> xarray.Dataset:
-        """The row of the candidate with the least quantile as built."""
+        """Row of the candidate with the smallest quantile as built."""
         return self._row('value')
 
     @property
     def nominal(self) -> xarray.Dataset:
-        """The row of the candidate that is best without deviations, and what it is worth as built."""
+        """Row of the candidate that is best without deviations, and its value as built."""
         return self._row('nominal')
 
     @property
     def alike(self) -> xarray.Dataset:
-        """The rows that these draws cannot tell from the best, which is among them: the band of the difference has 0 in it, or is not known."""
+        """Rows that these draws cannot distinguish from the best, including it: the band of the difference contains 0, or is not
+        known.
+        """
         return self.table.isel(candidate=np.flatnonzero(~(self.table['worse_lower'].values > 0)))
 
     def case(self, candidate: int | None = None) -> Case:
-        """The case of a candidate, of the best where none is given, with the first load and seed."""
+        """Returns the case of a candidate, by default of the best, with the first load and seed."""
         seeds = self.plan.n // (self.factors.sizes['load'] * self.factors.sizes['candidate'])
         return self.plan.case(seeds * (int(self.best['candidate']) if candidate is None else candidate))
 
     def plot(self, figure: Figure | None = None) -> Figure:
-        """The valley, as `gearsweep.plots.robust.plot_valley` draws it."""
-        from ..plots.robust import plot_valley
+        """Draws the valley with `robust_pictures.plot_valley`."""
+        from .robust_pictures import plot_valley
 
         return plot_valley(self, figure)
 
@@ -89,9 +91,7 @@ class Robust:
         return self.table.isel(candidate=int(np.nanargmin(values)))
 
     def __str__(self) -> str:
-        from .robust_report import report
-
-        return report(self)
+        return _report(self)
 
     __repr__ = __str__
 
@@ -101,16 +101,18 @@ def robust(
     quantile: float = 0.95, confidence: float = 0.95, nan: str = 'refuse', executor: Any = None, store: str | os.PathLike | None = None, seconds: float | None = None,
     progress: Progress | bool = False, **groups: Mapping[str, Sequence[Any]],
 ) -> Robust:  # fmt: skip
-    """Which of some reliefs, or values of any other keys, stands the deviations of its gears best.
+    """Finds which of several reliefs, or values of other keys, is the least sensitive to the deviations of its gears.
 
-    All candidates have the same gears, drawn at random as the case's `&deviations` say (class, `draws`, `seed`), so that they are compared
-    in pairs. With `assembly = 'all'` each pair of gears is put together in each way. The number of each is its largest dynamic factor
-    over the speeds, or what else is `judged`, and the candidate with the least quantile over draws, assemblies and loads is the best.
+    All candidates have the same gears, drawn at random by the case's `&deviations` (class, `draws`, `seed`), so that they are
+    compared in pairs. With `assembly = 'all'` each pair of gears is assembled in each possible way. The criterion is the largest
+    dynamic factor over the speeds, or another one by `judged`, and the candidate with the smallest quantile over draws, assemblies
+    and loads is the best.
 
-    The band of a quantile runs between order statistics, by the binomial distribution, as `quantiles` has it. Assemblies of one pair
-    of gears and its loads are not independent: they count as so many independent points as the scatter of the draws' shares below
-    the quantile says, at least the number of draws (Korn and Graubard 1998, Survey Methodology 24). Bands of differences are
-    percentiles of samples of whole draws, the same draws for both candidates. Each holds for one comparison.
+    The band of a quantile lies between order statistics, by the binomial distribution, as in `quantiles`. Assemblies and loads of
+    one pair of gears are not independent: their effective number of independent points follows from the scatter of the draws'
+    shares below the quantile, and is at least the number of draws (Korn and Graubard 1998, Survey Methodology 24). Bands of
+    differences are percentiles of samples of complete draws, the same draws for both candidates. Each band is valid for one
+    comparison.
 
     Parameters
     ----------
@@ -123,22 +125,25 @@ def robust(
 
         'static_transmission_error' : its peak-to-peak over the turn, um. Run-out and pitches count.
 
+        'mesh_harmonic' : the amplitude of the mesh frequency in it, um.
+
         'root_stress' : the largest nominal stress sigma_F0 of ISO 6336-3 at the root of any tooth of either gear over the turn, in
         motion at the speed of the largest dynamic factor, MPa.
     spectrum : dict, optional
         One key of `&load` with its loads and their shares of the time, as in `{'torque_nm': {80: 0.7, 120: 0.3}}`.
     seeds : int
-        Above 1: so many variants of each candidate, for many workers, each with the case's `draws` of a seed of its own, from the case's on.
+        Number of variants of each candidate, for many workers, each with the case's `draws` and a seed of its own, counted from the
+        case's.
     quantile : float
-        Its probability.
+        Probability of the quantile.
     confidence : float
-        Of each band, both ends together.
+        Confidence of each band, both ends together.
     nan : {'refuse', 'drop'}
-        What to do where a motion has no result at some speed: an error; or to leave out candidates without any result, and then draws,
-        whole and for all candidates, which a `PartialWarning` tells. What has no result is rarely the best, so that the quantiles
-        may be too low then.
+        Treatment of motions without a result at some speed: an error; or omission of candidates without any result, and then of
+        each draw without one, for all candidates, with a `PartialWarning`. Motions without a result are rarely the best, so that
+        the quantiles may then be too low.
     executor, store, seconds, progress : optional
-        As of `run`; a candidate with one load and one seed is a variant.
+        As in `run`; a candidate with one load and one seed is a variant.
     **groups
         Keys with lists of values, as in `relief={'amount_um': [8, 10, 12], 'shape': ['linear', 'parabolic']}`: each combination is a
         candidate.
@@ -150,10 +155,10 @@ def robust(
     Raises
     ------
     Error
-        There are no candidates or no drawn gears, a case is not usable, or numbers are missing. A warning tells how many dynamic factors
-        are inexact.
+        There are no candidates or no drawn gears, a case is not usable, or numbers are missing. A warning reports the number of
+        inexact dynamic factors.
     """
-    quantity = find(judged)
+    quantity = criterion(judged)
     for name, value in (('quantile', quantile), ('confidence', confidence)):
         if not 0 < value < 1:
             raise Error(f'robust: {name} = {value}: must be between 0 and 1')
@@ -162,7 +167,7 @@ def robust(
     if not isinstance(case, Case):
         raise TypeError(f'case: must be a gearsweep.Case, not {type(case).__name__}')
     if not groups:
-        raise Error("robust: there are no candidates; give lists, such as relief={'amount_um': [8, 10, 12]}")
+        raise Error("robust: there are no candidates; add lists, such as relief={'amount_um': [8, 10, 12]}")
     loads, shares = _spectrum(spectrum, groups)
     case = case.changed(case={'tasks': 'as_built'}, as_built=quantity.keys)
     plan = Plan.grid(case, **loads, **_seeded(case, groups, seeds))
@@ -170,20 +175,20 @@ def robust(
     data = run(plan, quantity.columns, reduce=quantity.reduce, executor=executor, store=store, seconds=seconds, progress=progress)
     _warn_of_inexact(data[INEXACT].values, data[SAMPLE].values)
     nominal, factors = _factors(data, plan, shares if loads else None, seeds, judged)
-    kept, draws = _kept(factors.values, nan, partial(_cause, data, plan, judged, store))
-    table = _table(nominal[kept], factors.isel(candidate=kept, draw=draws), shares, quantile, confidence)
-    table.attrs |= {'judged': judged, 'draws_left_out': int((~draws).sum()), 'candidates_left_out': int((~kept).sum())}
+    selected, draws = _select_complete(factors.values, nan, partial(_cause, data, plan, judged, store))
+    table = _table(nominal[selected], factors.isel(candidate=selected, draw=draws), shares, quantile, confidence)
+    table.attrs |= {'judged': judged, 'draws_left_out': int((~draws).sum()), 'candidates_left_out': int((~selected).sum())}
     return Robust(table, factors, plan)
 
 
 def _spectrum(spectrum: Any, groups: Mapping[str, Any]) -> tuple[dict[str, Any], Reals]:
-    """The list of loads for the plan, and the share of each."""
+    """Returns the list of loads for the plan, and the share of each."""
     if spectrum is None:
         return {}, np.ones(1)
     if not isinstance(spectrum, Mapping) or len(spectrum) != 1:
         raise Error("spectrum: must be one key of &load with its loads and their shares, such as {'torque_nm': {80: 0.7, 120: 0.3}}")
     if 'load' in groups:
-        raise Error('load: is varied by spectrum, and cannot tell candidates apart')
+        raise Error('load: is varied by spectrum, and cannot distinguish candidates')
     ((key, loads),) = spectrum.items()
     shares = np.array(list(loads.values()), float) if isinstance(loads, Mapping) else np.zeros(0)
     with np.errstate(over='ignore'):
@@ -193,14 +198,14 @@ def _spectrum(spectrum: Any, groups: Mapping[str, Any]) -> tuple[dict[str, Any],
 
 
 def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]:
-    """The groups with seeds, from the case's on, as the key that changes fastest."""
+    """Adds seeds to the groups, from that of the case on, as the key that changes fastest."""
     if isinstance(seeds, bool) or not isinstance(seeds, int) or not 1 <= seeds <= 1_000_000:
         raise Error(f'robust: seeds = {seeds!r}: must be a whole number from 1 to 1000000')
     if seeds == 1:
         return dict(groups)
     deviations = groups.get('deviations', {})
     if 'seed' in deviations:
-        raise Error('&deviations seed: is varied by seeds, and cannot tell candidates apart')
+        raise Error('&deviations seed: is varied by seeds, and cannot distinguish candidates')
     drawn = case.get('deviations', 'seed', 1) + np.arange(seeds)
     try:
         case.changed(deviations={'seed': drawn[-1]}).complete()
@@ -210,21 +215,21 @@ def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]
 
 
 def _check(plan: Plan, nan: str, seeds: int) -> None:
-    """Refuses what no candidate may be, before anything is computed."""
+    """Refuses unusable candidates before anything is computed."""
     for one in plan.inputs:
-        if one.name in _SAME and len(one.given) > (seeds if one.name == 'deviations.seed' else 1):
-            raise Error(f'&deviations {one.key.key}: cannot tell candidates apart, as all have the same gears and assemblies; give one value')
+        if one.name in _SAME and len(one.distribution) > (seeds if one.name == 'deviations.seed' else 1):
+            raise Error(f'&deviations {one.key.key}: cannot distinguish candidates, as all have the same gears and assemblies; use one value')
     first = _usable(plan, nan, seeds)
     if not any(first.get('deviations', f'{gear}_class') for gear in ('pinion', 'gear')):
-        raise Error('robust: the case draws no gears; give &deviations pinion_class or gear_class')
+        raise Error('robust: the case draws no gears; set &deviations pinion_class or gear_class')
     if (draws := first.get('deviations', 'draws')) * seeds < 2:
         raise Error(f'robust: &deviations draws = {draws}: must be at least 2')
     if isinstance(amounts := first.get('relief', 'amount_um'), tuple):
-        raise Error(f"robust: &relief amount_um has {len(amounts)} values; give them as relief={{'amount_um': [...]}}")
+        raise Error(f"robust: &relief amount_um has {len(amounts)} values; write them as relief={{'amount_um': [...]}}")
 
 
 def _usable(plan: Plan, nan: str, seeds: int) -> Case:
-    """The case of the first candidate that can be; all must be unless they may be left out."""
+    """Returns the case of the first usable candidate; all must be usable unless they may be omitted."""
     cases: list[Case] = []
     errors: list[Error] = []
     for at in range(0, plan.n, seeds):
@@ -240,10 +245,10 @@ def _usable(plan: Plan, nan: str, seeds: int) -> Case:
 
 
 def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int, judged: str) -> tuple[Reals, xarray.DataArray]:
-    """Nominal numbers (candidate, load), and those as built; NaN where the motion has no result at some speed."""
+    """Returns nominal numbers (candidate, load), and those as built; NaN if the motion has no result at some speed."""
     import xarray
 
-    quantity, lacks = find(judged), data[LACKS].values
+    quantity, lacks = criterion(judged), data[LACKS].values
     loads = 1 if shares is None else len(shares)
     candidates = plan.n // (loads * seeds)
     values = quantity.worst(data, lacks)
@@ -251,7 +256,7 @@ def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int,
     # The load is the first key, and changes slowest; the seed is the last.
     for at, one in enumerate(plan.inputs):
         is_load = shares is not None and at == 0
-        labels = [_label(one.key.written(value)) for value in plan.rows()[:, at]]
+        labels = [_label(one.key.formatted(value)) for value in plan.rows()[:, at]]
         if one.name != 'deviations.seed' or seeds == 1:
             labels = labels[:: candidates * seeds] if is_load else labels[: candidates * seeds : seeds]
             coords[one.name] = 'load' if is_load else 'candidate', labels, data[one.name].attrs
@@ -262,7 +267,9 @@ def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int,
 
 
 def _warn_of_inexact(inexact: Reals, sample: Reals) -> None:
-    """Of each variant, how many dynamic factors are inexact, and by how much quick ones are off in a sample; NaN: not known."""
+    """Warns of inexact dynamic factors, by their number in each variant, and of the error of quick ones in a sample; NaN: not
+    known.
+    """
     if not (found := inexact > 0).any():
         return
     off = np.append(sample[np.isfinite(sample)], 0).max()
@@ -271,43 +278,102 @@ def _warn_of_inexact(inexact: Reals, sample: Reals) -> None:
 
 
 def _label(value: Any) -> Any:
-    """The value of a key as a label: a list as text."""
+    """Formats the value of a key as a label: a list as text."""
     return ', '.join(map(str, value)) if isinstance(value, tuple) else value
 
 
 def _cause(data: xarray.Dataset, plan: Plan, judged: str, store: str | os.PathLike | None) -> str:
-    """The first variant that lacks numbers by its keys, and why, as far as a store knows it."""
-    values = find(judged).worst(data, data[LACKS].values)
+    """Describes the first variant without numbers by its keys, and the reason, if a store has it."""
+    values = criterion(judged).worst(data, data[LACKS].values)
     at = int(np.isfinite(values.reshape(plan.n, -1)).all(axis=1).argmin())
-    keys = ', '.join(f'&{key.group} {key.key} = {_label(key.written(value))}' for key, value in zip(plan.keys, plan.rows(at, at + 1)[0]))
+    keys = ', '.join(f'&{key.group} {key.key} = {_label(key.formatted(value))}' for key, value in zip(plan.keys, plan.rows(at, at + 1)[0]))
     if store is None:
-        return f'the first is {keys}; a run of its case tells why, and many.failures(store) of all where store is given'
+        return f'the first is {keys}; a run of its case has the reason, and with a store many.failures(store) has those of all'
     return f'of the first, {keys}: {failures(store).set_index("variant")["message"].get(at, "")}'
 
 
-def _kept(values: Reals, nan: str, cause: Callable[[], str]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which candidates have any result, and which draws have all of theirs."""
-    there: NDArray[np.bool_] = np.isfinite(values).reshape(*values.shape[:2], -1).min(axis=2)
-    kept: NDArray[np.bool_] = there.max(axis=1)
-    draws: NDArray[np.bool_] = there[kept].min(axis=0, initial=True)
-    said = f'{(~kept).sum()} of {len(kept)} candidates have no result, {(~draws).sum()} of {len(draws)} draws lack some'
-    complete = bool(kept.all() and draws.all())
+def _select_complete(values: Reals, nan: str, cause: Callable[[], str]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Selects the candidates with any result, and the draws with all of their results."""
+    finite: NDArray[np.bool_] = np.isfinite(values).reshape(*values.shape[:2], -1).min(axis=2)
+    selected: NDArray[np.bool_] = finite.max(axis=1)
+    draws: NDArray[np.bool_] = finite[selected].min(axis=0, initial=True)
+    text = f'{(~selected).sum()} of {len(selected)} candidates have no result, {(~draws).sum()} of {len(draws)} draws lack some'
+    complete = bool(selected.all() and draws.all())
     if nan == 'refuse' and not complete:
-        raise Error(f"robust: {said}; nan='drop' leaves them out, and quantiles may be too low then; {cause()}")
-    if not kept.any() or draws.sum() < 2:
-        raise Error(f'robust: {said}; nothing is left to compare; {cause()}')
+        raise Error(f"robust: {text}; nan='drop' omits them, and quantiles may be too low then; {cause()}")
+    if not selected.any() or draws.sum() < 2:
+        raise Error(f'robust: {text}; nothing remains to compare; {cause()}')
     if not complete:
-        warnings.warn(f'robust: {said}; they are left out; {cause()}', PartialWarning, stacklevel=3)
-    return kept, draws
+        warnings.warn(f'robust: {text}; they are omitted; {cause()}', PartialWarning, stacklevel=3)
+    return selected, draws
 
 
 def _table(nominal: Reals, factors: xarray.DataArray, shares: Reals, q: float, confidence: float) -> xarray.Dataset:
-    """All numbers of all candidates."""
+    """Builds the table of all numbers of all candidates."""
     import xarray
 
     candidates, draws, assemblies, _ = factors.shape
-    columns = {'nominal': np.array([clusters.quantile(one[None], shares, q, np.ones((1, 1)))[0] for one in nominal])}
-    columns |= clusters.compare(factors.values.reshape(candidates, draws, -1), np.tile(shares, assemblies) / assemblies, q, confidence)
+    columns = {'nominal': np.array([cluster_quantiles.quantile(one[None], shares, q, np.ones((1, 1)))[0] for one in nominal])}
+    columns |= cluster_quantiles.compare(factors.values.reshape(candidates, draws, -1), np.tile(shares, assemblies) / assemblies, q, confidence)
     coords = {name: one for name, one in factors.coords.items() if one.dims == ('candidate',)}
     attributes = {'quantile': q, 'confidence': confidence, 'draws': draws, 'assemblies': assemblies, 'loads': len(shares)}
     return xarray.Dataset({name: ('candidate', column) for name, column in columns.items()}, coords, attributes)
+
+
+def _report(found: Robust) -> str:
+    """Formats the table and its conclusions in plain words."""
+    table, of = found.table, found.table.attrs
+    judged = CRITERIA[of['judged']]
+    digits, unit = judged.digits, judged.unit and f' {judged.unit}'
+    names = [str(name) for name in table.coords if name != 'candidate']
+    each = [table.isel(candidate=at) for at in range(table.sizes['candidate'])]
+    rows = [_heading(names, of), *(_row(one, names, digits) for one in each)]
+    wide = [max(map(len, column)) for column in zip(*rows)]
+    best = found.best
+    others = [_name(one, names) for one in each if not float(one['worse_lower']) > 0 and int(one['candidate']) != int(best['candidate'])]
+    lines = [_counts(of, judged), *('  '.join(cell.rjust(size) for cell, size in zip(row, wide)) for row in rows)]
+    lines.append(f'Best as built: {_name(best, names)}: {float(best["value"]):.{digits}f}{unit}')
+    if not np.isnan(table['nominal']).all():
+        one = found.nominal
+        lines.append(f'Best nominal: {_name(one, names)}: {float(one["nominal"]):.{digits}f}{unit}, as built {float(one["value"]):.{digits}f}{unit}')
+    lines.append(f'Not distinguishable from the best by these draws: {"; ".join(others) or "none"}')
+    if np.isnan([float(one[end]) for one in each for end in ('lower', 'upper')]).any():
+        lines.append(f'?: too few draws for this quantile and confidence; {cluster_quantiles.enough(of["quantile"], of["confidence"])} are enough')
+    return '\n'.join(lines)
+
+
+def _counts(of: Mapping[Any, Any], judged: Criterion) -> str:
+    text = f'{judged.words}{judged.unit and f", {judged.unit}"}; pairs of gears: {of["draws"]}, assemblies of each: {of["assemblies"]}'
+    if of['loads'] > 1:
+        text += f', loads: {of["loads"]}'
+    if of['draws_left_out'] or of['candidates_left_out']:
+        text += f'; omitted: {of["draws_left_out"]} draws, {of["candidates_left_out"]} candidates'
+    return text
+
+
+def _heading(names: Sequence[str], of: Mapping[Any, Any]) -> list[str]:
+    sure = f'{100 * of["confidence"]:g} % sure'
+    keys = [name.partition('.')[2] for name in names]
+    return [*keys, 'nominal', 'median', f'{100 * of["quantile"]:g} %', sure, 'above the best', sure, 'best in']
+
+
+def _row(one: xarray.Dataset, names: Sequence[str], digits: int) -> list[str]:
+    value = {str(name): float(one[name]) for name in one.data_vars}
+    share = value['best_share']
+    numbers = [f'{value[name]:.{digits}f}' for name in ('nominal', 'median', 'value')]
+    return [*(_value_text(one[name]) for name in names), *numbers, _range(value, '', f'.{digits}f'), f'{value["worse"]:+.{digits}f}',
+            _range(value, 'worse_', f'+.{digits}f'), '?' if np.isnan(share) else f'{100 * share:.0f} %']  # fmt: skip
+
+
+def _range(value: Mapping[str, float], prefix: str, digits: str) -> str:
+    return ' to '.join('?' if np.isnan(value[f'{prefix}{end}']) else f'{value[f"{prefix}{end}"]:{digits}}' for end in ('lower', 'upper'))
+
+
+def _value_text(value: Any) -> str:
+    one = value.item()
+    return one if isinstance(one, str) else f'{one:g}'
+
+
+def _name(row: xarray.Dataset, names: Sequence[str]) -> str:
+    """Describes a candidate by its keys."""
+    return ', '.join(f'{name.partition(".")[2]} {_value_text(row[name])}' for name in names)

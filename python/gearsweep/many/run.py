@@ -1,4 +1,4 @@
-"""Runs a plan over an executor into a store, and goes on where it was left."""
+"""Runs a plan with an executor into a store, and continues an interrupted run."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._library import Code, Error, UnusedWarning
-from .._watch import Line
+from ..core.library import Code, Error, UnusedWarning, check_seconds
+from ..core.watch import Line
 from . import reading
 from . import store as stores
-from .flow import Crew, Flow, Piece
-from .outputs import Reduce, Taken
-from .plan import Begun, Plan
-from .rows import Block, First, Job, empty, first, made_here
+from .execution import Dispatcher, Piece, Workers
+from .outputs import Layout, Reduce
+from .plan import Plan, Snapshot
+from .rows import Block, Job, Trial, build_id, empty, trial
 from .status import ANSWERED, Status
 from .store import Store
 
 if TYPE_CHECKING:
     import xarray
 
-#: A block shall last so many seconds, has no more variants than this, and a plan has at least so many blocks where it can.
+#: Duration of a block in seconds, its largest number of variants, and the least number of blocks of a plan, if possible.
 _SECONDS, _MOST, _BLOCKS = 10.0, 4096, 32
-#: So many variants are tried for what the columns are like.
+#: Number of variants that are tried for the shapes of the columns.
 TRIED = 16
-_ENDED = 'the process that computes it ends, also where nothing else is computed'
+_ENDED = 'the process that computes it ends, even if it computes nothing else'
 
 Progress = Callable[[int, int, int], object]
 
@@ -46,12 +46,12 @@ def run(
     plan: Plan, take: str | Sequence[str] = (), *, executor: Any = None, store: str | os.PathLike | None = None,
     size: int | None = None, window: int | None = None, seconds: float | None = None,
     progress: Progress | bool = False, reduce: Reduce | None = None, part: tuple[int, int] = (1, 1),
-    again: Status | str | Sequence[Status | str] = (),
+    again: Status | str | Sequence[Status | str] = (), wait: float | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Computes the variants of a plan, each on one thread, and keeps the columns that are wanted of them.
+    """Computes the variants of a plan, each on one thread, and stores the requested columns.
 
-    The numbers are the same bits for any executor, number of workers and size of blocks. What is in the store is not computed again:
-    a run that was interrupted goes on by the same call. Ctrl-C keeps all blocks that are done.
+    The numbers are the same bits for any executor, number of workers and size of blocks. Stored results are not computed again: the
+    same call continues an interrupted run. Ctrl-C keeps all finished blocks.
 
     Parameters
     ----------
@@ -59,68 +59,74 @@ def run(
         From `Plan.sobol` and its like.
     take : 'table.column' or several
         Columns of numbers. A column is an array over the index columns of its table, such as the speed; those must be the same in all
-        variants. Index columns of one value are left out.
+        variants. Index columns of one value are omitted.
     executor : Executor, dask Client, int or callable, optional
-        What computes: any `concurrent.futures.Executor`, a `distributed.Client`, a number of processes on this machine, or a function
-        that makes an executor, which is called again where a worker died. None: this process.
+        Any `concurrent.futures.Executor`, a `distributed.Client`, a number of processes on this machine, or a function that returns
+        an executor, which is called again if a worker died. None: this process.
     store : path, optional
-        A folder in Zarr's format, that this process alone writes. None: in memory.
+        A folder in Zarr's format, which only this process writes. None: in memory.
     size : int, optional
-        Variants in a block, which is one task of the executor and one file of each array; by default so many as take at most 10 s, and
+        Variants in a block, which is one task of the executor and one file of each array; by default as many as need at most 10 s, and
         at most 1/32 of all. A store keeps the size that it was made with.
     window : int, optional
-        Blocks under way at a time; by default three for each worker.
+        Blocks in progress at a time; by default three for each worker.
     seconds : float, optional
-        A variant that takes longer is `LATE`.
+        A variant that takes longer, together with its `reduce`, is `LATE`.
     progress : callable or bool
-        Called after each block with the number of variants that are done, of all, and of those without a result. True: a line on stderr.
+        Called after each block with the numbers of finished variants, of all, and of those without a result. True: a line on
+        stderr.
     reduce : callable, optional
-        A function, which the workers can import, that makes a dictionary of numbers, or arrays of one shape, of a `Study`.
+        A function, which the workers can import, from a `Study` to a dictionary of numbers, or of arrays of one shape.
     part : (k, m)
         The k-th of m runs, such as those of a job array, which share the store: each computes every m-th block.
     again : Status, its word such as 'late', or several; optional
-        Blocks with variants of which this came are computed again, such as those that are `LATE`, with more `seconds`.
+        Blocks with variants of this status are computed again, such as those that are `LATE`, with more `seconds`.
+    wait : float, optional
+        Seconds without any worker of a Dask cluster after which the run ends with an `Error`; by default no limit. After 10 s a
+        `NoWorkerWarning` reports it.
 
     Returns
     -------
     xarray.Dataset
-        As `open` gives it.
+        As from `open`.
 
     Raises
     ------
     Error
         The plan or a column is not usable, no variant tried has a result, the store is of another plan, version or OpenBLAS kernel or
-        cannot be written, a file that the case names was changed meanwhile, or the executor is gone. What is done is kept. An `UnusedWarning` names varied keys that no task of the first
-        variant uses.
+        cannot be written, a file that the case names was changed meanwhile, or the executor is gone. Finished blocks are kept. An
+        `UnusedWarning` names varied keys that no task of the first variant uses.
     """
     take = [take] if isinstance(take, str) else list(take)
-    _check(plan, take, size, window, seconds, reduce, part)
-    anew = _statuses(again)
+    _check(plan, take, size, window, seconds, reduce, part, wait)
+    repeated = _statuses(again)
     _warn_of_unused(plan)
-    begun = Begun(plan)
-    with Crew(executor) as crew:
-        job, kept, known = _begun(begun, take, store, size, window, seconds, reduce, crew)
-        with kept.held(part), _told(progress) as told:
-            done = kept.usable()
-            done[_of_blocks(np.isin(done, anew), kept.size)] = Status.PENDING
-            blocks = [(first, stop) for first, stop in kept.blocks(part) if not done[first:stop].all()]
-            counts = _Counts(kept, part, done, told)
+    snapshot = Snapshot(plan)
+    with Workers(executor, wait) as workers:
+        job, target, known = _prepare(snapshot, take, store, size, window, seconds, reduce, workers)
+        with target.locked(part), _reporting(progress) as report:
+            done = target.usable()
+            block_of = np.arange(len(done)) // target.size
+            done[np.isin(block_of, block_of[np.isin(done, repeated)])] = Status.PENDING
+            blocks = [(first, stop) for first, stop in target.blocks(part) if not done[first:stop].all()]
+            counts = _Counts(target, part, done, report)
             if blocks:
-                _gather(begun, job, kept, crew, window, blocks, known, counts)
-    return reading.dataset(kept)
+                _gather(snapshot, job, target, workers, window, blocks, known, counts)
+    return reading.dataset(target)
 
 
 def _check(
-    plan: Plan, take: list[str], size: int | None, window: int | None, seconds: float | None, reduce: Reduce | None, part: tuple[int, int]
+    plan: Plan, take: list[str], size: int | None, window: int | None, seconds: float | None, reduce: Reduce | None, part: tuple[int, int],
+    wait: float | None,
 ) -> None:
     if not isinstance(plan, Plan):
         raise TypeError(f'plan: must be a Plan, not {type(plan).__name__}')
     if not take and reduce is None:
-        raise Error("take: names no column; give 'table.column', such as 'sweep_worst.worst_dynamic_factor', or reduce")
+        raise Error("take: names no column; use 'table.column', such as 'sweep_worst.worst_dynamic_factor', or reduce")
     if len(set(take)) < len(take):
         raise Error('take: names a column twice')
-    if seconds is not None and not seconds > 0:
-        raise Error(f'seconds = {seconds}: must be above 0')
+    for name, limit in (('seconds', seconds), ('wait', wait)):
+        check_seconds(name, limit)
     for name, value in (('size', size), ('window', window)):
         if value is not None and not (_is_whole(value) and value > 0):
             raise Error(f'{name} = {value}: must be a whole number of at least 1')
@@ -139,10 +145,10 @@ def _statuses(again: Any) -> list[Status]:
 
 
 def _warn_of_unused(plan: Plan) -> None:
-    """Keys that are varied for nothing, as the tasks of the first variant do not use them."""
+    """Warns of varied keys without effect, as the tasks of the first variant do not use them."""
     try:
         lines = plan.case(0).unused
-    except Error:  # told as the variant's status
+    except Error:  # reported as the variant's status
         return
     words = [one.split() for line in lines for one in line.partition(': ')[2].replace('&', '').replace(',', '').split('; ')]
     unused = {f'{group}.{key}' for group, *keys in words for key in keys}
@@ -154,82 +160,73 @@ def _is_whole(value: Any) -> bool:
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
-def _begun(
-    begun: Begun, take: list[str], path: Any, size: int | None, window: int | None, seconds: float | None, reduce: Reduce | None, crew: Crew
+def _prepare(
+    snapshot: Snapshot, take: list[str], path: Any, size: int | None, window: int | None, seconds: float | None, reduce: Reduce | None, workers: Workers
 ) -> tuple[Job, Store, list[Block | None]]:
-    """What the workers are told; the store, which is made where there is none; and what came of the first variants where it is made."""
-    plan = begun.plan
-    job = Job(plan.base, plan.keys, Taken((), (), {}), reduce, seconds)
+    """Returns the job for the workers, the store, which is made if missing, and the results of the first variants if it is made."""
+    plan = snapshot.plan
+    job = Job(plan.base, plan.keys, Layout((), (), {}), reduce, seconds)
     known: list[Block | None] = []
     if path is not None and os.path.exists(path):
-        kept = stores.read(path)
+        target = stores.read(path)
     else:
-        found, known, took = _first(plan, take, job, crew, window, is_timed=size is None and plan.n > _BLOCKS)
-        begun.check()
-        kept = stores.make(path, begun, found, int(min(size or _size(plan.n, took), plan.n)), reduce)
-    stores.check(kept, begun, take, reduce)  # where another part was faster, it is that one's
-    return dataclasses.replace(job, taken=kept.taken), kept, known
+        found, known, elapsed = _first(plan, take, job, workers, window, is_timed=size is None and plan.n > _BLOCKS)
+        snapshot.check()
+        target = stores.make(path, snapshot, found, min(int(size or max(1, min(_MOST, _SECONDS / max(elapsed, 1e-6), -(-plan.n // _BLOCKS)))), plan.n), reduce)
+    stores.check(target, snapshot, take, reduce)  # if another part was faster, it is the store of that one
+    return dataclasses.replace(job, layout=target.layout), target, known
 
 
-def _first(plan: Plan, take: list[str], job: Job, crew: Crew, window: int | None, is_timed: bool) -> tuple[Taken, list[Block | None], float]:
-    """What the columns are like, by the first variant that has a result; what came of the variants from the first on, as far as they were
-    tried and fit (None: it ends its process); and the seconds that the last one took.
+def _first(plan: Plan, take: list[str], job: Job, workers: Workers, window: int | None, is_timed: bool) -> tuple[Layout, list[Block | None], float]:
+    """Returns the shapes of the columns, from the first variant with a result; the results of the first variants, as far as they
+    were tried and agree (None: it ends its process); and the run time of the last one in seconds.
 
-    Each worker tries one at a time. Where time counts, they come one after the other, until there are two: the second may take over
-    what the first one made.
+    Each worker tries one at a time. If the time is measured, they run one after the other, until there are two results: the second
+    may reuse products of the first.
     """
-    crew.check(job)
-    flow = Flow(crew, job, plan.rows, window, partial(first, take))
+    workers.check(job)
+    dispatcher = Dispatcher(workers, job, plan.rows, window, partial(trial, take))
     tried = min(plan.n, TRIED)
-    came: list[First | None] = []
-    there: list[First] = []
-    while len(came) < tried and len(there) < 1 + is_timed:
-        stop = min(len(came) + (1 if is_timed else crew.workers()), tried)
-        found = {piece.first: one for piece, one in flow.run([(at, at + 1) for at in range(len(came), stop)])}
-        came += [found[at] for at in sorted(found)]
-        there = [one for one in came if one and (one.taken or one.wrong)]
-    if not there:
-        said = _ENDED if came[0] is None else came[0].block.messages[0]
-        raise NoResult(f'none of the first {tried} variants has a result; of the first: {said}')
-    taken = there[0].taken
-    if taken is None:
-        raise Error(there[0].wrong)
+    trials: list[Trial | None] = []
+    available: list[Trial] = []
+    while len(trials) < tried and len(available) < 1 + is_timed:
+        stop = min(len(trials) + (1 if is_timed else workers.parallel()), tried)
+        found = {piece.first: one for piece, one in dispatcher.run([(at, at + 1) for at in range(len(trials), stop)])}
+        trials += [found[at] for at in sorted(found)]
+        available = [one for one in trials if one and (one.layout or one.request_error)]
+    if not available:
+        reason = _ENDED if trials[0] is None else trials[0].block.messages[0]
+        raise NoResult(f'none of the first {tried} variants has a result; of the first: {reason}')
+    layout = available[0].layout
+    if layout is None:
+        raise Error(available[0].request_error)
     known: list[Block | None] = []
-    for one in came:
-        if one and (one.wrong or (one.taken and not one.taken.same(taken))):
+    for one in trials:
+        if one and (one.request_error or (one.layout and not one.layout.same(layout))):
             break
         block = None if one is None else one.block
-        known.append(block if block is None or block.columns else empty(taken, 1, Status(block.status[0]), block.messages[0]))
-    return taken, known, there[-1].seconds
-
-
-def _size(n: int, took: float) -> int:
-    return max(1, min(_MOST, int(_SECONDS / max(took, 1e-6)), -(-n // _BLOCKS)))
-
-
-def _of_blocks(rows: np.ndarray, size: int) -> np.ndarray:
-    """All rows of blocks that have one of these."""
-    return np.isin(np.arange(len(rows)) // size, np.flatnonzero(rows) // size)
+        known.append(block if block is None or block.columns else empty(layout, 1, Status(block.status[0]), block.messages[0]))
+    return layout, known, available[-1].seconds
 
 
 class _Counts:
-    """How many variants are done and have no result."""
+    """Counts finished variants and those without a result."""
 
-    def __init__(self, kept: Store, part: tuple[int, int], status: np.ndarray, told: Progress | None):
-        mine = np.concatenate([status[first:stop] for first, stop in kept.blocks(part)] or [status[:0]])
-        self.total, self.told = len(mine), told
+    def __init__(self, target: Store, part: tuple[int, int], status: np.ndarray, report: Progress | None):
+        mine = np.concatenate([status[first:stop] for first, stop in target.blocks(part)] or [status[:0]])
+        self.total, self.report = len(mine), report
         self.done, self.failed = 0, 0
         self.add(mine[mine != Status.PENDING])
 
     def add(self, status: np.ndarray) -> None:
         self.done += len(status)
         self.failed += int((~np.isin(status, ANSWERED)).sum())
-        if self.told and self.total:  # a part may have no block
-            self.told(self.done, self.total, self.failed)
+        if self.report and self.total:  # a part may have no block
+            self.report(self.done, self.total, self.failed)
 
 
 class _Values:
-    """The rows of blocks under way, of which each is asked for once, as Sobol' points are drawn in their order."""
+    """Rows of the blocks in progress, each requested once, as Sobol' points are drawn in order."""
 
     def __init__(self, plan: Plan, size: int):
         self.plan, self.size = plan, size
@@ -243,70 +240,72 @@ class _Values:
 
 
 def _gather(
-    begun: Begun, job: Job, kept: Store, crew: Crew, window: int | None, blocks: list[tuple[int, int]], known: list[Block | None], counts: _Counts
+    snapshot: Snapshot, job: Job, target: Store, workers: Workers, window: int | None, blocks: list[tuple[int, int]], known: list[Block | None], counts: _Counts
 ) -> None:
-    """Writes each block when all of its pieces are there; those of the first variants are known."""
-    crew.check(job)
-    values = _Values(begun.plan, kept.size)
-    there = [(Piece(at, at + 1), known[at]) for first, stop in blocks for at in range(first, min(stop, len(known)))]
-    rest = [(max(first, len(known)), stop) for first, stop in blocks if stop > len(known)]
-    waiting: dict[int, tuple[Block, int]] = {}  # by the number of the block: what is there, and how many variants are missing
-    for piece, found in itertools.chain(there, Flow(crew, job, values, window).run(rest)):
+    """Writes each block when all of its pieces exist; those of the first variants are known."""
+    workers.check(job)
+    values = _Values(snapshot.plan, target.size)
+    available = [(Piece(at, at + 1), known[at]) for first, stop in blocks for at in range(first, min(stop, len(known)))]
+    remaining = [(max(first, len(known)), stop) for first, stop in blocks if stop > len(known)]
+    waiting: dict[int, tuple[Block, int]] = {}  # by the number of the block: its data, and the number of missing variants
+    for piece, found in itertools.chain(available, Dispatcher(workers, job, values, window).run(remaining)):
         if found is None:
-            found = empty(job.taken, 1, Status.CRASHED, _ENDED)
+            found = empty(job.layout, 1, Status.CRASHED, _ENDED)
         _check_maker(found)
-        at = piece.first // kept.size
-        first, stop = at * kept.size, min((at + 1) * kept.size, kept.n)
-        whole, missing = waiting.pop(at, (None, stop - first))
-        if whole is None:
-            whole = found if missing == piece.stop - piece.first else empty(job.taken, stop - first)
-        if whole is not found:
-            _insert(whole, found, piece, first)
+        at = piece.first // target.size
+        first, stop = at * target.size, min((at + 1) * target.size, target.n)
+        block, missing = waiting.pop(at, (None, stop - first))
+        if block is None:
+            block = found if missing == piece.stop - piece.first else empty(job.layout, stop - first)
+        if block is not found:
+            _insert(block, found, piece, first)
         missing -= piece.stop - piece.first
         if missing:
-            waiting[at] = whole, missing
+            waiting[at] = block, missing
             continue
-        begun.check()
+        snapshot.check()
         with _interrupts_later():
-            kept.put(first, values(first, stop), whole)
+            target.put(first, values(first, stop), block)
             del values.blocks[first]
-        counts.add(whole.status)
+        counts.add(block.status)
 
 
 @contextlib.contextmanager
 def _interrupts_later() -> Iterator[None]:
-    """Ctrl-C takes effect at the end: a file that is half written would leave tasks of Zarr behind, which complain as the process ends."""
-    came: list[tuple] = []
+    """Delays Ctrl-C to the end of the block: a half-written file would leave tasks of Zarr, with messages at the end of the
+    process.
+    """
+    received: list[tuple] = []
     before = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(before):
         yield
         return
-    signal.signal(signal.SIGINT, lambda *what: came.append(what))
+    signal.signal(signal.SIGINT, lambda *what: received.append(what))
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-        if came:
-            before(*came[0])
+        if received:
+            before(*received[0])
 
 
-def _insert(whole: Block, found: Block, piece: Piece, first: int) -> None:
+def _insert(block: Block, found: Block, piece: Piece, first: int) -> None:
     rows = slice(piece.first - first, piece.stop - first)
-    whole.status[rows], whole.messages[rows] = found.status, found.messages
+    block.status[rows], block.messages[rows] = found.status, found.messages
     for name, column in found.columns.items():
-        whole.columns[name][rows] = column
+        block.columns[name][rows] = column
 
 
 def _check_maker(block: Block) -> None:
-    """Another version or kernel gives other bits."""
-    for what, here, there in zip(('version', 'OpenBLAS kernel'), made_here(), block.made_by):
-        if here != there:
+    """Refuses results of another version or kernel, which have other bits."""
+    for what, ours, theirs in zip(('version', 'OpenBLAS kernel'), build_id(), block.build):
+        if ours != theirs:
             hint = '; set OPENBLAS_CORETYPE for all, this process too' if what != 'version' else ''
-            raise Error(f'a worker has the {what} {there}, this process {here}{hint}', Code.INTERRUPTED)
+            raise Error(f'a worker has the {what} {theirs}, this process {ours}{hint}', Code.INTERRUPTED)
 
 
 @contextlib.contextmanager
-def _told(progress: Progress | bool) -> Iterator[Progress | None]:
+def _reporting(progress: Progress | bool) -> Iterator[Progress | None]:
     if progress is not True:
         yield progress or None
         return

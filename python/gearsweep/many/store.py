@@ -1,37 +1,42 @@
 """The store: one Zarr group with an array for each input and output, written block by block, the statuses of a block last.
 
-A block is a chunk of each array and a file of its own, which Zarr replaces as a whole: what a status calls done is done. Several
-processes may write different blocks.
+A block is a chunk of each array and a file of its own, which Zarr replaces in one step: a block whose status is finished is
+complete. Several processes may write different blocks. Each block has a digest of each of its chunks, which depends on plan, array
+and block, so that neither a changed bit nor a foreign chunk is read as values.
 """
 
 from __future__ import annotations
 
 import builtins
 import contextlib
+import hashlib
 import json
 import os
 import platform
 import re
 import shutil
+import time
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._library import Code, Error
-from .outputs import Output, Reduce, Taken
-from .plan import Begun, Plan, mark_of
+from ..core.library import Code, Error, declared
+from .outputs import Layout, Output, Reduce, qualified_name, reduce_digest
+from .plan import Plan, Snapshot, digest_of
 from .rows import Block
-from .status import ANSWERED, Status
+from .status import Status
 
 Reals = NDArray[np.float64]
-FORMAT = 1
+FORMAT = 2
 #: Bytes of a message.
 _LETTERS = 512
-#: So many blocks are read at once, as one by one takes several times longer.
+#: Number of blocks that are read at once; one by one takes several times longer.
 _TOGETHER = 64
-STATUS, MESSAGE, VARIANT = 'status', 'message', 'variant'
+STATUS, MESSAGE, VARIANT, DIGEST = 'status', 'message', 'variant', 'digest'
+#: Number of attempts to read a block that differs from its digest, and seconds between them, as another process may be writing it.
+_READS, _PAUSE = 3, 0.05
 
 
 class Damaged(Error):
@@ -42,7 +47,7 @@ class Damaged(Error):
 
 
 class Store:
-    """What a run writes into and goes on from.
+    """Storage of a run, from which it can continue.
 
     Attributes
     ----------
@@ -54,29 +59,30 @@ class Store:
     def __init__(self, group: Any, path: str):
         self.group, self.path = group, path
         self.size, self.n = int(self.about['size']), int(self.about['n'])
+        self._digested: tuple[int, int, NDArray[np.uint64]] = (0, 0, np.empty((0, 0), np.uint64))
 
     about = property(lambda self: self.group.attrs['gearsweep'])
 
     @property
-    def taken(self) -> Taken:
-        """What the store takes of each variant."""
+    def layout(self) -> Layout:
+        """Outputs of each variant in the store."""
         about = self.about
         outputs = [[Output(one['name'], tuple(one['dims']), tuple(one['shape']), one['unit'], one['meaning']) for one in about[what]]
                    for what in ('columns', 'reduced')]  # fmt: skip
         coordinates = {name: (one['table'], self.along(name), one['unit']) for name, one in about['coordinates'].items()}
-        return Taken(tuple(outputs[0]), tuple(outputs[1]), coordinates)
+        return Layout(tuple(outputs[0]), tuple(outputs[1]), coordinates)
 
     def along(self, dim: str) -> NDArray[Any]:
-        """The values of an index column; words stand in the attributes, as Zarr has no lasting form for them."""
+        """Returns the values of an index column; words are in the attributes, as Zarr has no stable format for them."""
         words = self.about['coordinates'][dim]['words']
         return self.values(dim) if words is None else np.array(words)
 
     def outputs(self) -> list[dict[str, Any]]:
-        """What is told of each column and of each number of `reduce`."""
+        """Descriptions of each column and of each number of `reduce`."""
         return [*self.about['columns'], *self.about['reduced']]
 
     def blocks(self, part: tuple[int, int]) -> Iterator[tuple[int, int]]:
-        """First variant and the one behind the last of each block, of part k of m."""
+        """Lists the first variant of each block and the one after its last, for part k of m."""
         for at in range(part[0] - 1, -(-self.n // self.size), part[1]):
             yield at * self.size, min((at + 1) * self.size, self.n)
 
@@ -84,41 +90,75 @@ class Store:
         return self.values(STATUS)
 
     def values(self, name: str, key: Any = slice(None)) -> NDArray[Any]:
-        """Values of an array.
+        """Reads values of an array.
 
         Raises
         ------
         Damaged
-            They cannot be read, or are not there although the status of their variants says so.
+            They cannot be read, or are missing although the status of their variants is finished.
         """
+        if not self.path or name in self.about['coordinates']:
+            return self._read(name, key)
+        places = key if isinstance(key, tuple) else (key,)
+        rows = np.arange(self.n)[places[0]]
+        if rows.ndim == 0:
+            return self.values(name, (rows[np.newaxis], *places[1:]))[0]
+        blocks = np.unique(rows // self.size)
+        found: list[NDArray[Any]] = []
+        for some in np.split(blocks, np.flatnonzero((np.diff(blocks) != 1) | (np.arange(1, len(blocks)) % _TOGETHER == 0)) + 1) if len(blocks) else ():
+            values = self._checked(name, int(some[0]), int(some[-1]) + 1)[np.sort(rows[np.isin(rows // self.size, some)]) - some[0] * self.size]
+            for axis in reversed(range(1, len(places))):  # as in Zarr's oindex
+                values = values[(slice(None),) * axis + (places[axis],)]
+            found.append(values)
+        if not found:
+            return self._read(name, key)
+        return np.concatenate(found)[np.argsort(np.argsort(rows, kind='stable'), kind='stable')]
+
+    def _read(self, name: str, key: Any) -> NDArray[Any]:
         try:
-            found = self.group[name].oindex[key]
+            return self.group[name].oindex[key]
         except OSError as error:
             raise Error(f'cannot read {self.path}: {name}: {error.strerror or error}', Code.FILE) from error
-        except Exception as error:  # of whichever codec
+        except Exception as error:  # of any codec
             raise Damaged(self.path, name) from error
-        if self.path and name not in (STATUS, MESSAGE) and name not in self.about['coordinates']:
-            rows = np.arange(self.n)[key[0] if isinstance(key, tuple) else key]
-            for block in np.unique(rows // self.size):
-                self._check_there(name, int(block))
-        return found
 
-    def _check_there(self, name: str, block: int) -> None:
-        """Statuses come last, so that of a variant with numbers all chunks are there; else Zarr would give NaN."""
-        array = self.group[name]
-        file = os.path.join(self.path, name, array.metadata.encode_chunk_key((block, *[0] * (array.ndim - 1))))
-        if os.path.exists(file):
-            return
-        status = self.values(STATUS, slice(block * self.size, (block + 1) * self.size))
-        if np.isin(status, ANSWERED).any() and not os.path.exists(file):
-            raise Damaged(self.path, name)
+    def _checked(self, name: str, first: int, stop: int) -> NDArray[Any]:
+        """Reads values of complete blocks and checks their digests; an unfinished block has the array's initial values."""
+        for read in range(_READS):
+            if read:
+                time.sleep(_PAUSE)
+            values = self._read(name, slice(first * self.size, min(stop * self.size, self.n)))
+            wrong = [at for at in range(first, stop) if _digest(self.about, name, at, self._of_block(values, at - first)) != self._stored_digest(name, at, first, stop, anew=read > 0)]
+            if name == STATUS:
+                wrong = [at for at in wrong if self._of_block(values, at - first).any()]
+            elif wrong:
+                pending = [at for at in wrong if not self._read(STATUS, slice(at * self.size, min((at + 1) * self.size, self.n))).any()]
+                for at in pending:
+                    self._of_block(values, at - first)[:] = self.group[name].fill_value
+                wrong = [at for at in wrong if at not in pending]
+            if not wrong:
+                return values
+        raise Damaged(self.path, name)
+
+    def _of_block(self, values: NDArray[Any], at: int) -> NDArray[Any]:
+        return values[at * self.size : (at + 1) * self.size]
+
+    def _stored_digest(self, name: str, at: int, first: int, stop: int, anew: bool) -> int:
+        """Returns the stored digest of a chunk; the digests of the same blocks are read once for all arrays."""
+        if anew or self._digested[:2] != (first, stop):
+            self._digested = first, stop, self._read(DIGEST, slice(first, stop))
+        return int(self._digested[2][at - first, self.arrays().index(name)])
+
+    def arrays(self) -> list[str]:
+        """Names of all arrays with values of each variant, in the order of the digests."""
+        return [*self.about['names'], *(one['name'] for one in self.outputs()), MESSAGE, STATUS]
 
     def usable(self) -> NDArray[np.int8]:
-        """The statuses; pending where something of a block is damaged."""
-        names = (*self.about['names'], *(one['name'] for one in self.outputs()), MESSAGE)
+        """Returns the statuses; pending if a part of a block is damaged."""
+        names = [name for name in self.arrays() if name != STATUS]
         found = np.zeros(self.n, np.int8)
 
-        def look(first: int, stop: int) -> None:
+        def visit(first: int, stop: int) -> None:
             rows = slice(first, stop)
             try:
                 status = self.values(STATUS, rows)
@@ -129,50 +169,69 @@ class Store:
                 blocks = -(-(stop - first) // self.size)
                 if blocks > 1:
                     middle = first + blocks // 2 * self.size
-                    look(first, middle)
-                    look(middle, stop)
+                    visit(first, middle)
+                    visit(middle, stop)
             else:
                 found[rows] = status
 
         span = _TOGETHER * self.size
         for first in range(0, self.n, span):
-            look(first, min(first + span, self.n))
+            visit(first, min(first + span, self.n))
         return found
 
     def put(self, first: int, values: Reals, block: Block) -> None:
-        """Writes a whole block.
+        """Writes a complete block.
 
         Raises
         ------
         Error
-            It cannot be written, as where the disk is full; what was there before is as it was.
+            It cannot be written, for example because the disk is full; the earlier values remain.
         """
         import zarr
 
         stop = first + len(values)
         try:
-            with zarr.config.set({'array.write_empty_chunks': True}):  # what is not there is damage
+            with zarr.config.set({'array.write_empty_chunks': True}):  # a missing file counts as damage
                 self._put(first, stop, values, block)
         except OSError as error:
             raise Error(f'cannot write {self.path}: {error.strerror or error}', Code.FILE) from error
 
     def _put(self, first: int, stop: int, values: Reals, block: Block) -> None:
-        for at, name in enumerate(self.about['names']):
-            self.group[name][first:stop] = values[:, at]
-        for name, column in block.columns.items():
-            self.group[name][first:stop] = column
+        at = first // self.size
+        self._clear(at)
+        chunks: dict[str, NDArray[Any]] = {name: values[:, one] for one, name in enumerate(self.about['names'])}
+        chunks |= {name: np.asarray(column, float) for name, column in block.columns.items()}
+        chunks |= {MESSAGE: _letters(block.messages), STATUS: np.asarray(block.status, np.int8)}
+        for name, chunk in chunks.items():
+            if name not in (MESSAGE, STATUS):
+                self.group[name][first:stop] = chunk
         if any(block.messages):
-            self.group[MESSAGE][first:stop] = _letters(block.messages)
-        self.group[STATUS][first:stop] = block.status
+            self.group[MESSAGE][first:stop] = chunks[MESSAGE]
+        self.group[DIGEST][at : at + 1] = np.array([[_digest(self.about, name, at, chunks[name]) for name in self.arrays()]], np.uint64)
+        self.group[STATUS][first:stop] = chunks[STATUS]
+
+    def _clear(self, at: int) -> None:
+        """Deletes the statuses and messages of a block before it is written again, statuses first, and anything that is no file
+        in a chunk's place.
+        """
+        if not self.path:
+            return
+        for name in (STATUS, MESSAGE, *self.arrays(), DIGEST):
+            array = self.group[name]
+            file = os.path.join(self.path, name, array.metadata.encode_chunk_key((at, *[0] * (array.ndim - 1))))
+            if os.path.isdir(file) and not os.path.islink(file):
+                shutil.rmtree(file)
+            elif name in (STATUS, MESSAGE) and os.path.lexists(file):
+                os.remove(file)
 
     @contextlib.contextmanager
-    def held(self, part: tuple[int, int]) -> Iterator[None]:
-        """Keeps other runs of the whole from computing the same; those of parts may be several.
+    def locked(self, part: tuple[int, int]) -> Iterator[None]:
+        """Locks the store against other runs of all blocks; runs of parts may be several.
 
         Raises
         ------
         Error
-            Another process does.
+            Another process holds the lock.
         """
         if not self.path or os.name != 'posix':
             yield
@@ -194,6 +253,23 @@ class Store:
             yield
 
 
+def _digest(about: dict[str, Any], name: str, block: int, values: NDArray[Any]) -> int:
+    """Digest of the values of a block of an array, different for each array, block and plan."""
+    one = hashlib.blake2b(f'{about["mark"]} {name} {block} {values.shape}'.encode('utf-8', 'surrogateescape'), digest_size=8)
+    one.update(np.ascontiguousarray(values, values.dtype.newbyteorder('<')).tobytes())
+    return int.from_bytes(one.digest(), 'little')
+
+
+def _sum(data: Any) -> str:
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
+
+
+def _descriptions(group: Any, names: list[str]) -> str:
+    """Digest of the descriptions of the arrays."""
+    return _sum([[name, array.shape, array.chunks, str(array.dtype), repr(array.fill_value), array.metadata.dimension_names, dict(array.attrs)]
+                 for name in sorted(names) for array in (group[name],)])  # fmt: skip
+
+
 def _letters(messages: list[str]) -> NDArray[np.uint8]:
     found = np.zeros((len(messages), _LETTERS), np.uint8)
     for at, message in enumerate(messages):
@@ -207,12 +283,12 @@ def message(letters: NDArray[np.uint8]) -> str:
 
 
 def read(path: str | os.PathLike) -> Store:
-    """Opens a store that is there.
+    """Opens an existing store.
 
     Raises
     ------
     Error
-        There is none, or it is none of ours.
+        There is none, or the folder is no store of gearsweep.
     """
     import zarr
 
@@ -229,52 +305,58 @@ def read(path: str | os.PathLike) -> Store:
         raise Error(f'cannot read {path}: {reason}', Code.FILE) from error
     name = 'zarr.json'
     try:
-        kept = Store(group, path)
-        shapes = dict.fromkeys((*about['names'], STATUS), (kept.n,)) | {one['name']: (kept.n, *one['shape']) for one in kept.outputs()}
-        if kept.size < 1 or kept.n < 1 or not {'kind', 'seed', 'version', 'case'} <= {*about['plan']}:
+        store = Store(group, path)
+        shapes = dict.fromkeys((*about['names'], STATUS), (store.n,)) | {one['name']: (store.n, *one['shape']) for one in store.outputs()}
+        if about['sum'] != _sum({key: value for key, value in about.items() if key != 'sum'}):
             raise ValueError
-        for name, shape in (shapes | {MESSAGE: (kept.n, _LETTERS)}).items():
+        shapes |= {MESSAGE: (store.n, _LETTERS), DIGEST: (-(-store.n // store.size), len(store.arrays()))}
+        for name, shape in shapes.items():
             if group[name].shape != shape:
                 raise ValueError
-        for name in about['coordinates']:
-            values = kept.along(name)
-            if values.dtype.kind == 'f' and np.isnan(values).all():
+        for name, one in about['coordinates'].items():
+            if one['words'] is None and one['digest'] != _digest(about, name, 0, store.along(name)):
                 raise ValueError
+        name = 'the description of an array'
+        if about['arrays'] != _descriptions(group, _written(about, store.arrays())):
+            raise ValueError
     except (OSError, KeyError, TypeError, ValueError, AttributeError, Damaged) as error:
         why = error.strerror if isinstance(error, OSError) and error.strerror else 'is damaged or missing'
-        raise Error(f'cannot read {path}: {name} {why}; where it is moved away, the same run makes a new store', Code.FILE) from error
-    return kept
+        raise Error(f'cannot read {path}: {name} {why}; move it away, and the same run makes a new store', Code.FILE) from error
+    return store
 
 
-def check(store: Store, begun: Begun, take: list[str], reduce: Reduce | None) -> None:
-    """Raises an `Error` where the store is of another plan, version or kernel, or has other columns or numbers of another `reduce`."""
+def _written(about: dict[str, Any], arrays: list[str]) -> list[str]:
+    """Lists the arrays of a store."""
+    return [*arrays, DIGEST, *(name for name, one in about['coordinates'].items() if one['words'] is None)]
+
+
+def check(store: Store, snapshot: Snapshot, take: list[str], reduce: Reduce | None) -> None:
+    """Raises an `Error` if the store is of another plan, version or kernel, or has other columns or numbers of another `reduce`."""
     about = store.about
-    if about['mark'] != mark_of(begun.told):
-        here, there = json.loads(json.dumps(begun.told)), about['plan']
-        off = [f'{name} is {_short(there.get(name))}, here {_short(here[name])}' for name in here if there.get(name) != here[name]]
-        hint = '; set OPENBLAS_CORETYPE' if there.get('OpenBLAS kernel') != here['OpenBLAS kernel'] else ''
+    if about['mark'] != digest_of(snapshot.description):
+        current, stored = json.loads(json.dumps(snapshot.description)), about['plan']
+        off = [f'{name} is {_short(stored.get(name))}, here {_short(current[name])}' for name in current if stored.get(name) != current[name]]
+        hint = '; set OPENBLAS_CORETYPE' if stored.get('OpenBLAS kernel') != current['OpenBLAS kernel'] else ''
         raise Error(f'{store.path}: is of another plan: {"; ".join(off)}{hint}', Code.FILE)
     names = [one['name'] for one in about['columns']]
     if names != take:
         raise Error(f'{store.path}: has the columns {", ".join(names) or "none"}; take asks for {", ".join(take) or "none"}', Code.FILE)
-    there = about.get('reduce', 'one of an earlier version' if about['reduced'] else 'None')
-    if there != _name(reduce):
-        raise Error(f'{store.path}: was begun with reduce = {there}, here {_name(reduce)}', Code.FILE)
-
-
-def _name(reduce: Any) -> str:
-    """The name of a function by which it is known again; of one with some arguments given (`functools.partial`), without these."""
-    one = getattr(reduce, 'func', reduce)
-    return 'None' if one is None else f'{one.__module__}.{getattr(one, "__qualname__", type(one).__name__)}'
+    stored = about.get('reduce', 'one of an earlier version' if about['reduced'] else 'None')
+    if stored != qualified_name(reduce):
+        raise Error(f'{store.path}: was begun with reduce = {stored}, here {qualified_name(reduce)}', Code.FILE)
+    if about['reduce_sum'] != reduce_digest(reduce):
+        also = '' if about['python'] == [*platform.python_version_tuple()[:2]] else f' (or the version of Python, which was {".".join(about["python"])})'
+        raise Error(f'{store.path}: was begun with another reduce of the name {stored}: its code, a constant or an argument of it was changed since{also}',
+                    Code.FILE)  # fmt: skip
 
 
 def _short(value: Any) -> str:
-    said = value if isinstance(value, str) else json.dumps(value)
-    return said if len(said) <= 60 else 'another'
+    text = value if isinstance(value, str) else json.dumps(value)
+    return text if len(text) <= 60 else 'another'
 
 
-def make(path: str | os.PathLike | None, begun: Begun, taken: Taken, size: int, reduce: Reduce | None) -> Store:
-    """Makes a store under another name, which it gets when it is complete; in memory without a path.
+def make(path: str | os.PathLike | None, snapshot: Snapshot, layout: Layout, size: int, reduce: Reduce | None) -> Store:
+    """Builds a store under a temporary name, and renames it when it is complete; in memory without a path.
 
     Raises
     ------
@@ -285,11 +367,11 @@ def make(path: str | os.PathLike | None, begun: Begun, taken: Taken, size: int, 
     from zarr.storage import MemoryStore
 
     if path is None:
-        return Store(_filled(zarr.create_group(MemoryStore()), begun, taken, size, reduce), '')
+        return Store(_with_arrays(zarr.create_group(MemoryStore()), snapshot, layout, size, reduce), '')
     path = os.fspath(path)
     new = f'{path.rstrip("/")}.{platform.node()}-{os.getpid()}.new'
     try:
-        _filled(zarr.create_group(new, overwrite=True), begun, taken, size, reduce)
+        _with_arrays(zarr.create_group(new, overwrite=True), snapshot, layout, size, reduce)
         try:
             os.rename(new, path)
         except OSError:
@@ -303,57 +385,55 @@ def make(path: str | os.PathLike | None, begun: Begun, taken: Taken, size: int, 
         shutil.rmtree(new, ignore_errors=True)
 
 
-def _filled(group: Any, begun: Begun, taken: Taken, size: int, reduce: Reduce | None) -> Any:
-    """The group with its arrays, which have no values yet."""
+def _with_arrays(group: Any, snapshot: Snapshot, layout: Layout, size: int, reduce: Reduce | None) -> Any:
+    """Fills the group with its arrays, which have no values yet."""
     import scipy
+    from zarr.codecs import ZstdCodec
 
     def add(name: str, shape: tuple[int, ...], kind: str, dims: tuple[str, ...], fill: float, **attributes: Any) -> Any:
-        if not _can_be_named(name):
+        if not isinstance(name, str) or not name.isprintable() or re.search(r'^$|^\.|^__|^zarr\.json$|[/\\]', name):
             raise Error(f'reduce: {name!r}: cannot name an array of a store; a name is a word without / and \\, and does not begin with . or __')
         if name in group or name == VARIANT:
-            raise Error(f'{name}: is the name of something else in a store; reduce must give it another, or take leave it out')
-        chunks = (min(size, shape[0]), *shape[1:]) if dims[0] == VARIANT else shape
-        array = group.create_array(name, shape=shape, chunks=chunks, dtype=kind, fill_value=fill, dimension_names=dims)
+            raise Error(f'{name}: another array of the store has this name; use another name in reduce, or omit it from take')
+        chunks = (min(size, shape[0]), *shape[1:]) if dims[0] == VARIANT else (1, *shape[1:]) if name == DIGEST else shape
+        array = group.create_array(name, shape=shape, chunks=chunks, dtype=kind, fill_value=fill, dimension_names=dims,
+                                   compressors=ZstdCodec(checksum=True))  # fmt: skip
         array.attrs.update(attributes)
         return array
 
-    plan: Plan = begun.plan
+    plan: Plan = snapshot.plan
     n = plan.n
-    words = {name: values.tolist() if values.dtype.kind == 'U' else None for name, (_, values, _) in taken.coordinates.items()}
-    for name, (_, values, _) in taken.coordinates.items():
+    words = {name: values.tolist() if values.dtype.kind == 'U' else None for name, (_, values, _) in layout.coordinates.items()}
+    for name, (_, values, _) in layout.coordinates.items():
         if words[name] is not None:
             continue
         add(name, values.shape, 'float64', (name,), np.nan)[:] = values
-    units = {f'{one["group"]}.{one["name"]}': one for one in _declared()}
+    units = {f'{one["group"]}.{one["name"]}': one for one in declared()['keys']}
     for one in plan.inputs:
         add(one.name, (n,), 'float64', (VARIANT,), np.nan, units=units[one.name]['unit'], long_name=units[one.name]['meaning'])
     points = {'points': plan.kind, 'scrambles': plan.scrambles, 'inputs': list(plan.names)}
-    for out in (*taken.columns, *taken.reduced):
+    for out in (*layout.columns, *layout.reduced):
         add(out.name, (n, *out.shape), 'float64', (VARIANT, *out.dims), np.nan, units=out.unit, long_name=out.meaning, **points)
     add(MESSAGE, (n, _LETTERS), 'uint8', (VARIANT, 'letter'), 0)
     add(STATUS, (n,), 'int8', (VARIANT,), 0, flag_values=[int(one) for one in Status],
         flag_meanings=' '.join(one.name.lower() for one in Status))  # fmt: skip
-    group.attrs['gearsweep'] = {
-        'format': FORMAT, 'mark': mark_of(begun.told), 'plan': begun.told, 'n': int(n), 'size': size, 'folder': plan.base.folder,
-        'names': list(plan.names), 'reduce': _name(reduce),
-        'keys': [{'group': key.group, 'key': key.key, 'whole': key.whole, 'choices': key.choices} for key in plan.keys],
-        'columns': [_told(one) for one in taken.columns], 'reduced': [_told(one) for one in taken.reduced],
-        'coordinates': {name: {'table': table, 'words': words[name], 'unit': unit} for name, (table, _, unit) in taken.coordinates.items()},
-        'host': platform.platform(), 'numpy': np.__version__, 'scipy': scipy.__version__,
+    names = [*plan.names, *(out.name for out in (*layout.columns, *layout.reduced)), MESSAGE, STATUS]
+    add(DIGEST, (-(-n // size), len(names)), 'uint64', ('block', 'array'), 0)
+    about = {
+        'format': FORMAT, 'mark': digest_of(snapshot.description), 'plan': snapshot.description, 'n': int(n), 'size': size, 'folder': plan.base.folder,
+        'names': list(plan.names), 'reduce': qualified_name(reduce), 'reduce_sum': reduce_digest(reduce),
+        'keys': [{'group': key.group, 'key': key.key, 'whole': key.integer, 'choices': key.choices} for key in plan.keys],
+        'columns': [_output_json(one) for one in layout.columns], 'reduced': [_output_json(one) for one in layout.reduced],
+        'coordinates': {name: {'table': table, 'words': words[name], 'unit': unit} for name, (table, _, unit) in layout.coordinates.items()},
+        'host': platform.platform(), 'python': platform.python_version_tuple()[:2], 'numpy': np.__version__, 'scipy': scipy.__version__,
     }  # fmt: skip
+    about = json.loads(json.dumps(about))  # in the form in which it is read
+    for name, (_, values, _) in layout.coordinates.items():
+        about['coordinates'][name]['digest'] = _digest(about, name, 0, np.asarray(values, float)) if words[name] is None else 0
+    about['arrays'] = _descriptions(group, _written(about, names))
+    group.attrs['gearsweep'] = about | {'sum': _sum(about)}
     return group
 
 
-def _can_be_named(name: Any) -> bool:
-    """Does a folder of the store take this name, and Zarr too?"""
-    return isinstance(name, str) and name.isprintable() and not re.search(r'^$|^\.|^__|^zarr\.json$|[/\\]', name)
-
-
-def _declared() -> list[dict[str, Any]]:
-    from .._library import declared
-
-    return declared()['keys']
-
-
-def _told(one: Output) -> dict[str, Any]:
+def _output_json(one: Output) -> dict[str, Any]:
     return {'name': one.name, 'dims': one.dims, 'shape': one.shape, 'unit': one.unit, 'meaning': one.meaning}

@@ -1,6 +1,6 @@
 """The front panel: a gear pair, its numbers and its pictures on a page in the browser, for this machine alone.
 
-`gearsweep panel` starts it. Nothing of this package is loaded otherwise.
+`gearsweep panel` starts it. Without it, no module of this package is loaded.
 """
 
 from __future__ import annotations
@@ -10,20 +10,20 @@ import os
 import sys
 import webbrowser
 
-from .._library import Code, Error
-from .desk import Desk
-from .places import Places
+from ..core.library import Code, Error
+from .api import Api
+from .case_folders import CaseFolders
 from .server import Server
 
 PORT = 8642
 HELP = f"""usage: gearsweep panel [CASE.nml | FOLDER | STORE.zarr] [options]
 
 Opens the front panel in the browser, on this machine alone: http://127.0.0.1:{PORT}/
-With a case it begins with that; the cases of its folder, or of FOLDER (the current one), are offered beside
-those of papers. Files that a case names are read in its folder alone. With a store of `gearsweep many` it shows its
-numbers and pictures, also while it is written.
+It starts with the named case and lists the cases of its folder, or of FOLDER (the current one), and those of
+papers. Files that a case names are read from its folder only. For a store of `gearsweep many` it shows numbers
+and pictures, also while it is written.
 
-  --port N        another port; 0 is any that is free ({PORT}, or where that is taken any)
+  --port N        another port; 0 selects a free one ({PORT}, or a free one if that is in use)
   --no-browser    print the address only
   --help          print this
 
@@ -31,16 +31,16 @@ Ctrl-C ends it."""
 
 
 def main(words: list[str]) -> int:
-    """Serves the panel until Ctrl-C, with the words behind `gearsweep panel`; the exit code."""
+    """Serves the panel until Ctrl-C; `words`: the arguments of `gearsweep panel`. Returns the exit code."""
     if {'--help', '-h'} & set(words):
         print(HELP)
         return Code.OK
     path, port, opens = arguments(words)
     is_store = bool(path) and os.path.isfile(os.path.join(path, 'zarr.json'))
-    server = listen(desk_of('' if is_store else path), port)
+    server = listen(api_of('' if is_store else path), port)
     if is_store:
         server.store = path
-    try:  # Ctrl-C may come as soon as the address is told
+    try:  # Ctrl-C may come as soon as the address is printed
         print(f'The panel is at {server.address} (Ctrl-C ends it)', flush=True)
         if opens and not show(server.address):
             print('No browser was found: open this address in one.', file=sys.stderr)
@@ -53,7 +53,9 @@ def main(words: list[str]) -> int:
 
 
 def show(address: str) -> bool:
-    """Opens the page in a browser with a window; False where there is none. One in the terminal could not draw it."""
+    """Opens the page in a browser with a window; returns False if there is none. A browser in the terminal could not draw the
+    page.
+    """
     try:
         browser = webbrowser.get()
     except webbrowser.Error:
@@ -62,7 +64,7 @@ def show(address: str) -> bool:
 
 
 def arguments(words: list[str]) -> tuple[str, int | None, bool]:
-    """Case or folder, port and whether a browser is to open.
+    """Parses the command line: case or folder, port, and whether to open a browser.
 
     Raises
     ------
@@ -70,12 +72,12 @@ def arguments(words: list[str]) -> tuple[str, int | None, bool]:
         The command line is not usable.
     """
     path, port, opens = '', None, True
-    rest = iter(words)
-    for word in rest:
+    remaining = iter(words)
+    for word in remaining:
         if word == '--no-browser':
             opens = False
         elif word == '--port':
-            value = next(rest, '')
+            value = next(remaining, '')
             if not (value.isascii() and value.isdigit() and int(value) < 65536):
                 raise Error('--port: must be an integer from 0 to 65535; gearsweep panel --help tells more', Code.USAGE)
             port = int(value)
@@ -88,8 +90,8 @@ def arguments(words: list[str]) -> tuple[str, int | None, bool]:
     return path, port, opens
 
 
-def desk_of(path: str) -> Desk:
-    """A desk with the cases of a folder, or with the folder of a case, which it begins with.
+def api_of(path: str) -> Api:
+    """Returns an API with the cases of a folder, or with those of the folder of a case, which is shown first.
 
     Raises
     ------
@@ -97,24 +99,24 @@ def desk_of(path: str) -> Desk:
         There is no such case or folder.
     """
     if not path or os.path.isdir(path):
-        return Desk(Places(path or '.'), {'place': 'data', 'name': 'case1.nml'})
+        return Api(CaseFolders(path or '.'), {'place': 'data', 'name': 'case1.nml'})
     folder, name = os.path.split(os.path.abspath(path))
-    places = Places(folder)
-    places.read('folder', name)
-    return Desk(places, {'place': 'folder', 'name': name})
+    case_folders = CaseFolders(folder)
+    case_folders.read('folder', name)
+    return Api(case_folders, {'place': 'folder', 'name': name})
 
 
-def listen(desk: Desk, port: int | None = None) -> Server:
-    """A server on this port; on the usual one where none is given, or, if that is taken, on any.
+def listen(api: Api, port: int | None = None) -> Server:
+    """Opens a server on this port; without a port on the usual one or, if that is in use, on any.
 
     Raises
     ------
     Error
-        The port cannot be had.
+        The port is not available.
     """
     try:
-        return Server(desk, PORT if port is None else port)
+        return Server(api, PORT if port is None else port)
     except OSError as error:
         if port is None and error.errno == errno.EADDRINUSE:
-            return Server(desk, 0)
+            return Server(api, 0)
         raise Error(f'--port {port}: {error.strerror}', Code.FILE) from error

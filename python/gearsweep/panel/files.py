@@ -1,4 +1,4 @@
-"""Files that a page hands to whoever uses it: a table as CSV, everything as an archive, a report."""
+"""Files for downloads from a page: a table as CSV, an archive of all results, a report."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from .._library import Error
-from .._page import drawings, page
-from ..study import Study
+from ..core.library import Error
+from ..core.study import Study
+from ..report.page import drawings, page
 
 
 @dataclass
@@ -22,20 +22,20 @@ class File:
     content: bytes
 
 
-def made(desk: Any, what: str, asked: dict[str, str]) -> File:
-    """The file `what` of the study and under the name that are asked for.
+def download(api: Any, what: str, asked: dict[str, str]) -> File:
+    """Builds the requested file `what` of the study with the requested name.
 
     Raises
     ------
     Error
-        There is none, or it cannot be made.
+        There is no such file, or it cannot be built.
     """
-    study = desk.study(asked.get('study', ''))
+    study = api.study(asked.get('study', ''))
     name = ''.join(letter if letter.isalnum() or letter in '-_.' else '_' for letter in asked.get('name') or 'gearsweep')
     name = name.encode('ascii', 'replace').decode().replace('?', '_').lstrip('.')
     if what == 'table':
         table = asked.get('table', '')
-        for path, content in written(study, name):
+        for path, content in written_files(study, name):
             if path == f'{name}.{table}.csv':
                 return File(path, 'text/csv; charset=utf-8', content)
         raise Error(f'{table}: this study has no such file')
@@ -46,8 +46,8 @@ def made(desk: Any, what: str, asked: dict[str, str]) -> File:
     raise Error(f'{what}: there is no such file')
 
 
-def written(study: Study, name: str) -> Iterator[tuple[str, bytes]]:
-    """Name and content of each file that the program writes for a study."""
+def written_files(study: Study, name: str) -> Iterator[tuple[str, bytes]]:
+    """Returns name and content of each file that the program writes for a study."""
     with tempfile.TemporaryDirectory(prefix='gearsweep-') as folder:
         for path in study.write(folder, name):
             with open(path, 'rb') as file:
@@ -55,13 +55,13 @@ def written(study: Study, name: str) -> Iterator[tuple[str, bytes]]:
 
 
 def archive(study: Study, name: str) -> bytes:
-    """Case, answer, report, tables and pictures, the latter where matplotlib is installed."""
+    """Builds an archive of case, report as text and page, tables, and pictures if matplotlib is installed."""
     buffer, pictures = io.BytesIO(), drawings(study, 'png', 'svg')
     with zipfile.ZipFile(buffer, 'w', zipfile.ZIP_DEFLATED) as file:
         file.writestr(f'{name}/{name}.nml', study.case.text.encode('utf-8', 'surrogateescape'))
         file.writestr(f'{name}/{name}.txt', study.report().encode('utf-8', 'surrogateescape'))
         file.writestr(f'{name}/{name}.html', page(study, pictures).encode('utf-8', 'replace'))
-        for path, content in written(study, name):
+        for path, content in written_files(study, name):
             file.writestr(f'{name}/{path}', content)
         for table, files in pictures.items():
             for ending, content in files.items():

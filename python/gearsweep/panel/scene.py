@@ -1,4 +1,4 @@
-"""The tooth pair as the page draws and turns it."""
+"""The tooth pair as data for the page, which draws and rotates it."""
 
 from __future__ import annotations
 
@@ -6,26 +6,26 @@ from typing import Any
 
 import numpy as np
 
-from .._library import Error
-from .._outline import contact_path, first_tooth, rotated, turn_to
-from ..case import Case
-from ..study import Study, run
+from ..core.case import Case
+from ..core.library import Error
+from ..core.outline import contact_path, first_tooth, mesh_angle, rotated
+from ..core.study import Study, run
 
-#: Points of a tooth that are enough on a screen.
+#: Number of points of a tooth for a screen.
 _ENOUGH = 80
 
 
 def scene(case: Case) -> dict[str, Any] | None:
-    """Outlines, path of contact and how both gears turn with it; None where a case has no teeth.
+    """Returns outlines, path of contact and the rotation of both gears along it; None for a case without teeth.
 
     Lengths in mm from the pinion's centre, the gear's centre straight above it at `centre`. `tooth` is one tooth with the space
-    behind it, as it stands when contact begins at A (s = 0), the gear's so much thinner or thicker on its coast side that
-    the gap is the backlash that the case states. While s grows by 1, the pinion turns by `turn` clockwise, the
-    gear by its own the other way.
+    after it, in its position when contact begins at A (s = 0); the coast side of the gear's tooth is displaced so that the gap is
+    the backlash of the case. While s grows by 1, the pinion turns by `turn` clockwise, the gear by its own angle in the opposite
+    direction.
     """
     try:
-        # The outline does not hang on the grid, and the least grid is the quickest. Its backlash is what the teeth leave.
-        study = run(case.changed(section={'elements_across': 3}, pair={'backlash_um': None}), 'section')
+        # The backlash of the outlines is that of the teeth.
+        study = run(case.changed(pair={'backlash_um': None}), 'geometry')
     except Error:
         return None
     geometry = study.geometry
@@ -50,22 +50,23 @@ def scene(case: Case) -> dict[str, Any] | None:
     }
 
 
-def _gear(study: Study, member: str, touch: np.ndarray, is_above: bool, wider: float = 0) -> dict[str, Any]:
-    """One gear about its own centre; the one above is its own picture turned by half a turn. Its coast flanks stand back by
-    `wider` mm along the line of action."""
-    radius = study.gears.at(member=member).base_diameter_mm / 2
-    tooth = rotated(_stood_back(first_tooth(study, member), wider / radius), turn_to(study, member, touch))
+def _gear(study: Study, gear: str, touch: np.ndarray, is_above: bool, wider: float = 0) -> dict[str, Any]:
+    """Returns one gear about its own centre; the upper one is rotated by half a turn. Its coast flanks are displaced by `wider` mm
+    along the line of action.
+    """
+    radius = study.gears.at(gear=gear).base_diameter_mm / 2
+    tooth = rotated(_with_backlash(first_tooth(study, gear), wider / radius), mesh_angle(study, gear, touch))
     tooth = tooth[:: max(1, len(tooth) // _ENOUGH)]
     return {
         'tooth': np.round(-tooth if is_above else tooth, 6).tolist(),
-        'teeth': int(study.case.get(member, 'teeth')),
+        'teeth': int(study.case.get(gear, 'teeth')),
         'turn': float(study.geometry.base_pitch_mm / radius),
         'working_radius': float(radius / np.cos(np.radians(study.geometry.working_angle_deg))),
     }
 
 
-def _stood_back(tooth: np.ndarray, turn: float) -> np.ndarray:
-    """The coast side of a tooth, which comes first, turned by `turn` (rad) towards the drive side: at most by a quarter of the tip."""
+def _with_backlash(tooth: np.ndarray, turn: float) -> np.ndarray:
+    """Turns the coast side of a tooth, which comes first, by `turn` (rad) towards the drive side: at most by a quarter of the tip."""
     radii, angles = np.hypot(*tooth.T), np.arctan2(*tooth.T)
     tip = np.flatnonzero(radii > radii.max() * (1 - 1e-9))
     most = (angles[tip[-1]] - angles[tip[0]]) / 4

@@ -1,8 +1,7 @@
 """Pictures of the results, by matplotlib.
 
-Each `plot_...` takes a result, draws into the axes `ax` or into a new figure of its own, and returns the
-axes. `draw_all` writes a file for each picture that a study holds. All look as `style` says, which lasts only
-while they draw: nothing global is changed.
+Each `plot_...` draws a result into the axes `ax` or into a new figure, and returns the axes. `draw_all` writes a file for each
+picture of a study. All use the look of `style`, which applies only while they draw: no global setting is changed.
 
 >>> import gearsweep
 >>> case = gearsweep.Case('''&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.8 /
@@ -33,7 +32,7 @@ from .as_built import plot_as_built, plot_assemblies, plot_orders, plot_turn, pl
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
-from .branches import plot_branch_curves, plot_branches
+from .branches import plot_branches
 from .deflection_relief import plot_deflection_relief, plot_relief_flank
 from .files import PICTURES, draw_all, figures, save
 from .flank import plot_flank
@@ -42,6 +41,7 @@ from .gears import plot_geometry
 from .life import plot_life
 from .look import style
 from .over_speed import plot_dte_sweep, plot_optimum, plot_sweep
+from .over_torque import plot_optimum_map, plot_torques
 from .precision import plot_precision
 from .rating import plot_rating
 from .sensitivity import plot_sensitivity
@@ -62,7 +62,6 @@ __all__ = [
     'plot_basins',
     'plot_body_campbell',
     'plot_body_modes',
-    'plot_branch_curves',
     'plot_branches',
     'plot_campbell',
     'plot_deflection_relief',
@@ -78,6 +77,7 @@ __all__ = [
     'plot_modal',
     'plot_motion_harmonics',
     'plot_optimum',
+    'plot_optimum_map',
     'plot_orders',
     'plot_poincare',
     'plot_precision',
@@ -94,6 +94,7 @@ __all__ = [
     'plot_sweep',
     'plot_torque',
     'plot_torque_harmonics',
+    'plot_torques',
     'plot_transient',
     'plot_transient_peaks',
     'plot_turn',

@@ -1,4 +1,4 @@
-"""What happens along the path of contact: stiffness, sharing, transmission error, load, root stress."""
+"""Results along the path of contact: stiffness, sharing, transmission error, load, root stress."""
 
 from __future__ import annotations
 
@@ -9,30 +9,29 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from ..study import Study
-from ..table import Table, one_of
+from ..core.study import Study
+from ..core.table import Table, select_value
 from .look import ASIDE, FAINT, HALO, INK, VISIBLE, canvas
 from .reliefs import Integers, Reals, Reliefs, paths, table_of, unanswered
 
 
 def plot_stiffness(mesh: Study | Table, ax: Axes | None = None) -> Axes:
-    """Stiffness of all pairs that carry, and of one pair, along the path of contact: of a study or its table `mesh`."""
+    """Draws the stiffness of all loaded pairs, and of one pair, along the path of contact: of a study or its table `mesh`."""
     mesh = table_of(mesh, 'mesh')
     with canvas(ax) as ax:
         _curves(ax, mesh, paths(mesh.s, mesh.mesh_stiffness_n_um, mesh.relief_um))
         s, one = paths(mesh.s, mesh.pair_stiffness_n_um)[0]
         ax.plot(s, one, **ASIDE)
-        middle = np.abs(s - 0.25 * s.max()).argmin()
-        ax.annotate('one pair', (s[middle], one[middle]), (2, -3), textcoords='offset points', va='top')
         ax.set_ylim(bottom=0)
-        finish(ax, mesh, 'Stiffness (N/µm)')
+        finish(ax, mesh, 'Stiffness (N/µm)', [Line2D([], [], **ASIDE, label='one pair')])
     return ax
 
 
 def plot_sharing(mesh: Study | Table, ax: Axes | None = None) -> Axes:
-    """Share of the static load that one pair carries along the path of contact: of a study or its table `mesh`."""
+    """Draws the share of the static load on one pair along the path of contact: of a study or its table `mesh`."""
     mesh = table_of(mesh, 'mesh')
     with canvas(ax) as ax:
         _curves(ax, mesh, paths(mesh.s, mesh.load_share, mesh.relief_um))
@@ -41,7 +40,7 @@ def plot_sharing(mesh: Study | Table, ax: Axes | None = None) -> Axes:
 
 
 def plot_ste(mesh: Study | Table, ax: Axes | None = None) -> Axes:
-    """Static transmission error along the path of contact of one pair: of a study or its table `mesh`."""
+    """Draws the static transmission error along the path of contact of one pair: of a study or its table `mesh`."""
     mesh = table_of(mesh, 'mesh')
     with canvas(ax) as ax:
         _curves(ax, mesh, paths(mesh.s, mesh.ste_um, mesh.relief_um))
@@ -50,9 +49,10 @@ def plot_ste(mesh: Study | Table, ax: Axes | None = None) -> Axes:
 
 
 def plot_harmonics(harmonics: Study | Table, ax: Axes | None = None) -> Axes:
-    """Amplitudes of the harmonics of the static transmission error, a bar for each relief: of a study or its table `harmonics`.
+    """Draws the amplitudes of the harmonics of the static transmission error, a bar for each relief: of a study or its table
+    `harmonics`.
 
-    A thin line across the end of a bar shows its estimated error where that is wide enough to be seen.
+    A thin line across the end of a bar shows its estimated error if that is wide enough to be seen.
     """
     harmonics = table_of(harmonics, 'harmonics')
     reliefs = Reliefs(harmonics.case)
@@ -72,16 +72,16 @@ def plot_harmonics(harmonics: Study | Table, ax: Axes | None = None) -> Axes:
 
 
 def plot_load(load: Study | Table, ax: Axes | None = None, *, rpm: float | None = None) -> Axes:
-    """Dynamic load of one pair along its path of contact, at one speed, and the static load.
+    """Draws the dynamic load of one pair along its path of contact, at one speed, and the static load.
 
-    A relief without an answer has no curve; the legend names it.
+    A relief without a converged result has no curve; the legend names it.
 
     Parameters
     ----------
     load : Study or Table
         A study, or its table `load`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     rpm : float, optional
         One of the case's `load_rpm`; otherwise the first.
 
@@ -98,13 +98,15 @@ def plot_load(load: Study | Table, ax: Axes | None = None, *, rpm: float | None 
 
 
 def plot_dte(load: Study | Table, ax: Axes | None = None, *, rpm: float | None = None) -> Axes:
-    """Dynamic transmission error while a pair passes along its path of contact, at one speed; all else as of `plot_load`."""
+    """Draws the dynamic transmission error while a pair passes along its path of contact, at one speed; otherwise like
+    `plot_load`.
+    """
     return _motion(table_of(load, 'load'), ax, rpm, 'dte_um', 'DTE at {:g} 1/min (µm)')
 
 
 def plot_motion_harmonics(harmonics: Study | Table, ax: Axes | None = None, *, rpm: float | None = None) -> Axes:
-    """Amplitudes of the harmonics of the dynamic transmission error at one speed, a bar for each relief: of a study or its table
-    `motion_harmonics`; all else as of `plot_load`.
+    """Draws the amplitudes of the harmonics of the dynamic transmission error at one speed, a bar for each relief: of a study or
+    its table `motion_harmonics`; otherwise like `plot_load`.
 
     A motion that repeats after several mesh periods has parts between the harmonics of the mesh frequency.
     """
@@ -112,19 +114,20 @@ def plot_motion_harmonics(harmonics: Study | Table, ax: Axes | None = None, *, r
 
 
 def harmonic_bars(table: Table, ax: Axes | None, rpm: float | None, column: str, label: str, error: str | None = None) -> Axes:
-    """Amplitudes of what repeats with the motion at one speed, a bar for each relief; across its end the estimated error, where that
-    is wide enough to be seen."""
-    rpm = one_of(table.rpm, rpm, 'rpm')
-    here = np.isclose(table.rpm, rpm) & (table.harmonic > 0) & np.isfinite(table[column])
+    """Draws amplitudes of a periodic motion at one speed, a bar for each relief; across its end the estimated error, if that is
+    wide enough to be seen.
+    """
+    rpm = select_value(table.rpm, rpm, 'rpm')
+    mask = np.isclose(table.rpm, rpm) & (table.harmonic > 0) & np.isfinite(table[column])
     reliefs = Reliefs(table.case)
     count = len(reliefs.amounts)
-    width = 0.84 / max(2, count) * min(1.0, np.min(table.harmonic[here], initial=1.0))  # the first is 1 over the periods
+    width = 0.84 / max(2, count) * min(1.0, np.min(table.harmonic[mask], initial=1.0))  # the first harmonic is 1 over the number of periods
     with canvas(ax) as ax:
         for i, amount in enumerate(reliefs.amounts):
-            mine = here & (table.relief_um == amount)
+            mine = mask & (table.relief_um == amount)
             place = table.harmonic[mine] + width * (i - (count - 1) / 2)
             ax.bar(place, table[column][mine], 0.94 * width, color=reliefs.styles[i]['color'])
-            if error and (table[error][mine] > VISIBLE * np.max(table[column][here])).any():
+            if error and (table[error][mine] > VISIBLE * np.max(table[column][mask])).any():
                 ax.errorbar(place, table[column][mine], table[error][mine], color=INK, linestyle='', linewidth=0.7)
         ax.set_xlabel(f'Harmonic of the mesh frequency at {rpm:g} 1/min (–)')
         ax.set_ylabel(label)
@@ -133,11 +136,11 @@ def harmonic_bars(table: Table, ax: Axes | None, rpm: float | None, column: str,
 
 
 def _motion(load: Table, ax: Axes | None, rpm: float | None, column: str, label: str) -> Axes:
-    """A column of the motion along the path of a pair, at one speed."""
-    rpm = one_of(load.rpm, rpm, 'rpm')
-    here = np.isclose(load.rpm, rpm) & np.isfinite(load[column])
+    """Draws a column of the motion along the path of a pair, at one speed."""
+    rpm = select_value(load.rpm, rpm, 'rpm')
+    mask = np.isclose(load.rpm, rpm) & np.isfinite(load[column])
     with canvas(ax) as ax:
-        found = _curves(ax, load, paths(load.s[here], load[column][here], load.relief_um[here]))
+        found = _curves(ax, load, paths(load.s[mask], load[column][mask], load.relief_um[mask]))
         missing = [f'{amount:g}' for i, amount in enumerate(Reliefs(load.case).amounts) if i not in found]
         if column == 'pair_load_n' and 'motion' in load.study:
             _level(ax, load.study.motion.load_n, 'static load')
@@ -146,10 +149,10 @@ def _motion(load: Table, ax: Axes | None, rpm: float | None, column: str, label:
 
 
 def plot_static(stress: Study | Table, ax: Axes | None = None) -> Axes:
-    """Stress at the fillet tangent of either side while the load moves along the path of contact.
+    """Draws the stress at the fillet tangent of both sides while the load moves along the path of contact.
 
-    Of a study or its table `static`. ISO 6336-3 and Lewis are for the whole load at the outer point of single contact. A band shows the
-    estimated error where it is wide enough to be seen.
+    Of a study or its table `static`. ISO 6336-3 and Lewis are for the full load at the outer point of single contact. A band shows
+    the estimated error if it is wide enough to be seen.
     """
     stress = table_of(stress, 'static')
     reliefs = Reliefs(stress.case)
@@ -170,26 +173,26 @@ def plot_static(stress: Study | Table, ax: Axes | None = None) -> Axes:
 
 
 def _level(ax: Axes, value: float, name: str) -> None:
-    """A line across, named at its left end, where the curves are low."""
+    """Draws a horizontal line, named at its left end, where the curves are low."""
     ax.axhline(value, **ASIDE)
     ax.annotate(name, (0, value), (8, 2), xycoords=ax.get_yaxis_transform(), textcoords='offset points', path_effects=HALO)
     ax.margins(y=0.09)
 
 
 def contact_points(study: Study) -> dict[str, float]:
-    """A, B, P, D, E along the path, in base pitches; no P where a prescribed mesh does not say it."""
+    """Returns A, B, P, D, E along the path, in base pitches; without P if a prescribed mesh does not state it."""
     if 'contact_points' in study:
         return dict(zip(study.contact_points.point, study.contact_points.s))
     ratio = study.case.get('mesh', 'contact_ratio')
-    if ratio is None:  # of a table alone
+    if ratio is None:  # a table alone
         return {}
     pitch = study.case.get('mesh', 'pitch_point')
-    whole = float(floor(ratio))
-    return {'A': 0.0, 'B': ratio - whole, **({} if pitch is None else {'P': pitch}), 'D': whole, 'E': ratio}
+    pairs = float(floor(ratio))
+    return {'A': 0.0, 'B': ratio - pairs, **({} if pitch is None else {'P': pitch}), 'D': pairs, 'E': ratio}
 
 
 def _error_bands(ax: Axes, stress: Table, order: Integers) -> None:
-    """The estimated error, where it is wide enough to be seen."""
+    """Draws the estimated error, if it is wide enough to be seen."""
     if 'root_stress' not in stress.study:
         return
     visible = VISIBLE * np.ptp(ax.get_ylim())
@@ -202,7 +205,7 @@ def _error_bands(ax: Axes, stress: Table, order: Integers) -> None:
 
 
 def _curves(ax: Axes, table: Table, curves: Iterable[tuple[Reals, ...]]) -> set[int]:
-    """Draws each (s, values, relief); which of the case's reliefs these are."""
+    """Draws each (s, values, relief); returns the indices of these reliefs in the case."""
     reliefs = Reliefs(table.case)
     found = set()
     for s, values, relief in curves:
@@ -212,7 +215,7 @@ def _curves(ax: Axes, table: Table, curves: Iterable[tuple[Reals, ...]]) -> set[
 
 
 def finish(ax: Axes, table: Table, label: str, more: Sequence[Artist] = ()) -> None:
-    """Points of contact, with those letters in one that would overlap; labels and legend."""
+    """Adds the points of contact, with one label for those that would overlap; axis labels and legend."""
     points = sorted(contact_points(table.study).items(), key=lambda point: point[1])
     length = points[-1][1] if points else np.nanmax(table.s)
     letters: dict[float, str] = {}

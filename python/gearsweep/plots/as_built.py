@@ -1,4 +1,4 @@
-"""Gears whose teeth have errors of their own: over speed, over the turn, by orders, by assembly."""
+"""Gears with individual tooth errors: over speed, over the revolution, by orders, by assembly."""
 
 from __future__ import annotations
 
@@ -12,15 +12,19 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from ..study import Study
-from ..table import Table, one_of
+from ..core.study import Study
+from ..core.table import Table, select_value
 from .look import ACCENT, ASIDE, FAINT, FINE, GREY, HALO, HOLLOW, INK, MM, PAGE, canvas, legends_above, names_above, over_speeds
 from .over_speed import crosses, curve
 from .reliefs import Reliefs, study_of, table_of
 
-#: From so many pairs of gears and assemblies on, a band leaves out the outermost.
+#: Number of pairs of gears and assemblies from which a band omits the outermost.
 MANY = 20
-#: So many sidebands and half as many shaft orders have their names; from the largest amplitude, scales reach down by this factor.
+#: Of a turn of more mesh periods than fit side by side, so many are drawn: about the pair with the largest load.
+MOST_PERIODS, PART = 100, 25
+#: Of more orders than fit side by side, those of the mesh and so many of the largest others are drawn.
+MOST_ORDERS, LARGEST = 100, 40
+#: Number of named sidebands, and twice the number of named shaft orders; range of the scales below the largest amplitude.
 NAMED, DEPTH = 4, 1e4
 NOMINAL: dict[str, Any] = {'color': INK, 'linestyle': (0, (4, 1.5)), 'linewidth': 0.9}
 AT_REST: dict[str, Any] = {**HOLLOW, 'marker': 'o', 'markersize': 2.5, 'markeredgecolor': INK, 'markeredgewidth': 0.5}
@@ -28,17 +32,17 @@ NATURAL: dict[str, Any] = {'linewidth': 0.9, 'linestyle': (0, (3, 3))}
 
 
 def plot_as_built(result: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
-    """Dynamic factor over speed of gears as built, for one relief, and dashed that of gears without deviations.
+    """Draws the dynamic factor over speed of gears as built, for one relief, and dashed that of gears without deviations.
 
-    Of several pairs of gears and assemblies the median, in a band from the 5th to the 95th percentile, or of fewer than 20 from the least
-    to the largest. A cross at the lower edge: some have no answer at this speed, and the others alone count.
+    For several pairs of gears and assemblies: the median, in a band from the 5th to the 95th percentile, or with fewer than 20 from
+    the least to the largest. A cross at the lower edge: some did not converge at this speed, and only the others are included.
 
     Parameters
     ----------
     result : Study or Table
         A study, or its table `as_built`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     relief_um : float, optional
         One of the case's reliefs; otherwise the first.
 
@@ -76,63 +80,78 @@ def plot_as_built(result: Study | Table, ax: Axes | None = None, *, relief_um: f
 
 
 def plot_turn(result: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None, rpm: float | None = None) -> Axes:
-    """Transmission error over the turn in motion and, fine, at rest; upright lines are whole turns of the pinion.
+    """Draws the transmission error over the revolution in motion and, fine, at rest; vertical lines are revolutions of the
+    pinion.
 
-    Of a study or its table `as_built_turn`, at one of the speeds at which the motion is followed (otherwise the first). A motion without
-    an answer is drawn at rest alone. All else as of `plot_as_built`.
+    Of a turn of more than 100 mesh periods, 25 are drawn, with the largest load of a pair of teeth in their middle.
+    Of a study or its table `as_built_turn`, at one of its speeds (by default the first). If the motion did not converge, only the
+    static error is drawn. Otherwise like `plot_as_built`.
     """
     table = table_of(result, 'as_built_turn')
     relief, _, color = _relief(table, relief_um)
     mine = np.isclose(table.relief_um, relief)
     speeds = np.unique(table.rpm[mine & (table.rpm > 0)])
-    speed = one_of(speeds, rpm, 'rpm') if speeds.size else None
+    speed = select_value(speeds, rpm, 'rpm') if speeds.size else None
+    part = _part(table.study, int(np.ceil(table.tau[mine].max())), relief, speed)
     with canvas(ax, height=50 * MM, width=PAGE) as ax:
         for one, look in ((0.0, {**FINE, 'label': 'at rest'}), (speed, {'label': 'in motion'})):
             if one is not None:
-                here = mine & np.isclose(table.rpm, one)
-                ax.plot(table.tau[here], table.transmission_error_um[here], color=color, **look)
+                mask = mine & np.isclose(table.rpm, one) & (part[0] <= table.tau) & (table.tau <= part[1])
+                ax.plot(table.tau[mask], table.transmission_error_um[mask], color=color, **look)
         curves = ax.lines[:]
-        _turns(ax, table.study, int(np.ceil(table.tau[mine].max())))
+        _turns(ax, table.study, part)
         ax.set_ylabel('Transmission error (µm)')
-        legends_above(ax, (_title(table, relief, speed), curves))
+        legends_above(ax, (_title(table, relief, speed, part), curves))
     return ax
 
 
 def plot_turn_loads(result: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None, rpm: float | None = None) -> Axes:
-    """Largest load of each pair of teeth over the static load, a bar at the mesh period in which the pair enters; the largest has the
-    numbers of its teeth. Of a study or its table `as_built_loads`; all else as of `plot_turn`."""
+    """Draws the largest load of each pair of teeth over the static load, a bar at the mesh period in which the pair enters; the
+    largest has the numbers of its teeth. Of a turn of more than 100 mesh periods, 25 are drawn, about the largest.
+    Of a study or its table `as_built_loads`; otherwise like `plot_turn`.
+    """
     table = table_of(result, 'as_built_loads')
-    relief, speed, here = _point(table, relief_um, rpm)
-    pair, ratio = table.pair[here], table.load_ratio[here]
+    relief, speed, mask = _point(table, relief_um, rpm)
+    part = _part(table.study, len(table.pair[mask]), relief, speed)
+    mask = mask & (part[0] < table.pair) & (table.pair <= part[1])
+    pair, ratio = table.pair[mask], table.load_ratio[mask]
     k = int(np.argmax(ratio))
     with canvas(ax, height=50 * MM, width=PAGE) as ax:
-        # One shape for all bars, as there may be thousands.
+        # One collection for all bars.
         edges = np.add.outer(pair - 1.0, (0.08, 0.92)).ravel()
         ax.stairs(np.insert(ratio, range(1, len(ratio)), 0.0), edges, fill=True, color=_relief(table, relief)[2])
         ax.axhline(1, **ASIDE, path_effects=HALO)
         side = 'left' if k < 0.25 * len(pair) else 'right' if k > 0.75 * len(pair) else 'center'
-        ax.annotate(f'{ratio[k]:.4g}, pinion tooth {table.pinion_tooth[here][k]} on gear tooth {table.gear_tooth[here][k]}',
+        ax.annotate(f'{ratio[k]:.4g}, pinion tooth {table.pinion_tooth[mask][k]} on gear tooth {table.gear_tooth[mask][k]}',
                     (pair[k] - 0.5, ratio[k]), (0, 2), textcoords='offset points', ha=side)  # fmt: skip
-        _turns(ax, table.study, len(pair))
+        _turns(ax, table.study, part)
         ax.set_ylim(0, 1.2 * ratio.max())
         ax.set_ylabel('Load over static load (–)')
-        legends_above(ax, (_title(table, relief, speed), [Line2D([], [], **ASIDE, label='static load')]))
+        legends_above(ax, (_title(table, relief, speed, part), [Line2D([], [], **ASIDE, label='static load')]))
     return ax
 
 
 def plot_orders(result: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None, rpm: float | None = None) -> Axes:
-    """Amplitudes of the orders of the dynamic transmission error as stems and, hollow, of the static one; orders of the mesh, the largest
-    sidebands and shaft orders have their names. Of a study or its table `as_built_orders`; all else as of `plot_turn`."""
+    """Draws the amplitudes of the orders of the dynamic transmission error as stems and, hollow, of the static one; orders of
+    the mesh, the largest sidebands and shaft orders have names. Of more than 100 orders those of the mesh and the 40
+    largest others are drawn. Of a study or its table `as_built_orders`; otherwise like `plot_turn`.
+    """
     table = table_of(result, 'as_built_orders')
-    relief, speed, here = _point(table, relief_um, rpm)
-    order, dynamic, static = (table[column][here] for column in ('order', 'dte_amplitude_um', 'ste_amplitude_um'))
-    answered = np.isfinite(dynamic).all()
+    relief, speed, mask = _point(table, relief_um, rpm)
+    answered = np.isfinite(table.dte_amplitude_um[mask]).all()
+    mask, of = np.flatnonzero(mask), ''
+    if len(mask) > MOST_ORDERS:
+        others = mask[[not _is_of(name, 2) for name in table.order_name[mask]]]
+        height = table['dte_amplitude_um' if answered else 'ste_amplitude_um'][others]
+        mask = np.setdiff1d(mask, others[np.argsort(-height, kind='stable')[LARGEST:]])
+        of = f'\nMesh orders, and the {LARGEST} largest of {len(others)} others'
+    order, dynamic, static = (table[column][mask] for column in ('order', 'dte_amplitude_um', 'ste_amplitude_um'))
     height = dynamic if answered else static
-    names = [name.replace('-', '−') for name in table.order_name[here]]
-    mesh, of_mesh = (np.array([name.startswith('mesh') and len(name.split()) in lengths for name in names]) for lengths in ((2,), (2, 5)))
+    names = [name.replace('-', '−') for name in table.order_name[mask]]
+    mesh, of_mesh = (np.array([_is_of(name, *lengths) for name in names]) for lengths in ((2,), (2, 5)))
     falling = np.argsort(-height, kind='stable')
     named = (mesh, of_mesh & ~mesh, ~of_mesh)
-    told = sorted(k for these, most in zip(named, (None, NAMED, NAMED // 2)) for k in falling[these[falling]][:most])
+    named_orders = sorted(k for these, most in zip(named, (None, NAMED, NAMED // 2)) for k in falling[these[falling]][:most])
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         ax.set_yscale('log')
         for these, color, width in ((~mesh, GREY, 1.1), (mesh, ACCENT, 2.0)):
@@ -141,21 +160,23 @@ def plot_orders(result: Study | Table, ax: Axes | None = None, *, relief_um: flo
         shown = np.fmax(dynamic, static)
         ax.set_ylim(max(min(height.min(), static.min()) / 2, shown.max() / DEPTH), 2 * shown.max())
         ax.set_xlim(0, order.max() + 1)
-        lines = names_above(ax, [(order[k], height[k], names[k], ACCENT if mesh[k] else INK) for k in told])
+        lines = names_above(ax, [(order[k], height[k], names[k], ACCENT if mesh[k] else INK) for k in named_orders])
         entries = [Line2D([], [], color=ACCENT, linewidth=2, label='mesh'), Line2D([], [], color=GREY, label='other'),
                    Line2D([], [], **AT_REST, label='at rest')]  # fmt: skip
-        legends_above(ax, (_title(table, relief, speed if answered else None), entries), gap=lines)
+        legends_above(ax, (_title(table, relief, speed if answered else None) + of, entries), gap=lines)
         ax.set_xlabel('Order (cycles a turn of the pinion)')
         ax.set_ylabel('Amplitude of the TE (µm)')
     return ax
 
 
 def plot_waterfall(result: Study | Table, ax: Axes | None = None) -> Axes:
-    """Amplitude of the dynamic transmission error over speed and order, in colours of its logarithm, of the first relief. Orders of the
-    mesh are told at the side; on the dashed curve an order has the natural frequency. Of a study or its table `as_built_waterfall`."""
+    """Draws the amplitude of the dynamic transmission error over speed and order, in colours of its logarithm, for the first
+    relief. Orders of the mesh are named at the side; on the dashed curve an order has the natural frequency. Of a study or
+    its table `as_built_waterfall`.
+    """
     study, table = study_of(result), table_of(result, 'as_built_waterfall')
     amplitude, rpm = table.dte_amplitude_um.T, table.rpm
-    if len(rpm) == 1:  # as wide as a column may be
+    if len(rpm) == 1:  # the largest width of a column
         amplitude, rpm = np.repeat(amplitude, 2, axis=1), rpm * np.array([0.9, 1.1])
     top = np.max(amplitude, initial=0, where=np.isfinite(amplitude)) or 1.0
     norm = LogNorm(max(np.min(amplitude, initial=top, where=amplitude > 0), top / DEPTH), top)
@@ -180,12 +201,12 @@ def plot_waterfall(result: Study | Table, ax: Axes | None = None) -> Axes:
 
 
 def plot_assemblies(result: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None, draw: int | None = None) -> Axes:
-    """Largest dynamic factor over the speeds of each assembly of one pair of gears (otherwise the first), best and worst named, with the
-    gear's tooth that enters at A first, with the pinion's stated one; where there is one assembly, of each pair. Dashed: without
-    deviations. Of a study or its table `as_built_worst`; all else as of `plot_as_built`."""
+    """Draws the largest dynamic factor over the speeds of each assembly of one pair of gears (by default the first). Best and worst
+    are named by the gear's tooth that enters at A with the pinion's stated one. If there is only one assembly, it draws each pair.
+    Dashed: without deviations. Of a study or its table `as_built_worst`; otherwise like `plot_as_built`."""
     table = table_of(result, 'as_built_worst')
     relief, i, color = _relief(table, relief_um)
-    pair = one_of(table.draw, draw, 'draw')
+    pair = select_value(table.draw, draw, 'draw')
     title = f'Tip relief {relief:g} µm'
     what, number, factor = 'Pair of gears', table.draw, table.dynamic_factor[i, :, 0]
     names = [f'pair of gears {one}' for one in number]
@@ -204,7 +225,7 @@ def plot_assemblies(result: Study | Table, ax: Axes | None = None, *, relief_um:
             ax.plot(number[k], factor[k], 'D', color=INK, markersize=4)
             ax.annotate(f'{word}: {names[k]}, {factor[k]:.3f}', (number[k], factor[k]), (0, rise), textcoords='offset points', va=va,
                         ha='left' if part < 0.2 else 'right' if part > 0.8 else 'center', path_effects=HALO)  # fmt: skip
-        ax.margins(y=0.25)
+        ax.margins(y=0.35)
         ax.set_xlim(number[0] - 1, number[-1] + 1)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         legends_above(ax, (title, [Line2D([], [], label='nominal', **NOMINAL)]))
@@ -214,41 +235,62 @@ def plot_assemblies(result: Study | Table, ax: Axes | None = None, *, relief_um:
 
 
 def _relief(table: Table, wanted: float | None) -> tuple[float, int, Any]:
-    """The relief that is wanted, its number in the table, and its colour."""
-    relief = one_of(table.relief_um, wanted, 'relief_um')
+    """Returns the requested relief, its index in the table, and its colour."""
+    relief = select_value(table.relief_um, wanted, 'relief_um')
     amounts = np.array(list(dict.fromkeys(table.relief_um)))
     return relief, int(np.abs(amounts - relief).argmin()), Reliefs(table.case).style(relief)['color']
 
 
 def _point(table: Table, relief_um: float | None, rpm: float | None) -> tuple[float, float, Any]:
-    """The relief and the speed that are wanted, and their rows.
+    """Returns the requested relief and speed, and their rows.
 
     Raises
     ------
     ValueError
-        The table has no such point, or none.
+        The table has no such point, or none at all.
     """
-    relief = one_of(table.relief_um, relief_um, 'relief_um')
+    relief = select_value(table.relief_um, relief_um, 'relief_um')
     mine = np.isclose(table.relief_um, relief)
-    speed = one_of(table.rpm[mine], rpm, 'rpm')
+    speed = select_value(table.rpm[mine], rpm, 'rpm')
     return relief, speed, mine & np.isclose(table.rpm, speed)
 
 
-def _title(table: Table, relief: float, rpm: float | None) -> str:
-    """Relief and speed and, where there are several, which pair of gears and which assembly is followed."""
+def _is_of(name: str, *lengths: int) -> bool:
+    """Tells whether an order is one of the mesh whose name has so many words."""
+    return name.startswith('mesh') and len(name.split()) in lengths
+
+
+def _part(study: Study, periods: int, relief: float, rpm: float | None) -> tuple[int, int, int]:
+    """Returns the first and the last mesh period to be drawn, all or those about the largest load of a pair, and how many the turn has."""
+    if periods <= MOST_PERIODS:
+        return 0, periods, periods
+    middle = 0.0
+    if rpm is not None:
+        loads = study.as_built_loads
+        mask = np.isclose(loads.relief_um, relief) & np.isclose(loads.rpm, rpm)
+        middle = loads.pair[mask][loads.load_ratio[mask].argmax()] - 0.5
+    first = int(np.clip(middle - PART / 2, 0, periods - PART))
+    return first, first + PART, periods
+
+
+def _title(table: Table, relief: float, rpm: float | None, part: tuple[int, int, int] | None = None) -> str:
+    """Returns relief and speed and, if there are several, the pair of gears and the assembly as a title; below it the part of the turn."""
     parts = [f'Tip relief {relief:g} µm', 'no answer in motion' if rpm is None else f'{rpm:g} 1/min']
     case = table.case
     if case.get('deviations', 'draws', 1) > 1:
         parts.append(f'pair of gears {case.get("as_built", "turn_draw")}')
     if case.get('deviations', 'assembly') == 'all':
         parts.append(f'assembly {case.get("as_built", "turn_assembly")}')
+    if part and part[1] - part[0] < part[2]:
+        about = '' if rpm is None else ', about the largest load'
+        return f'{", ".join(parts)}\nMesh periods {part[0]} to {part[1]} of {part[2]}{about}'
     return ', '.join(parts)
 
 
-def _turns(ax: Axes, study: Study, periods: int) -> None:
-    """An axis of mesh periods, with the whole turns of the pinion."""
-    turns = range(0, periods + 1, int(study.case.get('pinion', 'teeth')))
-    for turn in turns if len(turns) < 60 else ():
-        ax.axvline(turn, color=FAINT, linewidth=0.5, zorder=0)
-    ax.set_xlim(0, periods)
+def _turns(ax: Axes, study: Study, part: tuple[int, int, int]) -> None:
+    """Labels an axis of mesh periods, and marks the revolutions of the pinion."""
+    for turn in range(0, part[1] + 1, int(study.case.get('pinion', 'teeth'))):
+        if turn >= part[0]:
+            ax.axvline(turn, color=FAINT, linewidth=0.5, zorder=0)
+    ax.set_xlim(part[:2])
     ax.set_xlabel('Time (mesh periods)')

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.lines import Line2D
 
-from ..study import Study
-from ..table import Table
+from ..core.study import Study
+from ..core.table import Table
 from .kinds import KINDS, in_words
 from .look import (
     BLUE,
@@ -32,27 +32,27 @@ from .look import (
 )
 from .reliefs import study_of
 
-#: From this ratio of dynamic factors on their axis is logarithmic.
+#: Ratio of the largest to the smallest dynamic factor above which their axis is logarithmic.
 WIDE = 10
 UNREACHED: dict[str, Any] = {'color': 'none', 'markeredgecolor': INK, 'markeredgewidth': 0.6}
 
-#: The motions at one speed, the one with most starts first; further ones are black.
+#: Colours of the motions at one speed, the one with most starts first; further ones are black.
 HUES = (BLUE, ORANGE, SKY, WINE, YELLOW, GREEN, VERMILION, PURPLE)
 
 
 def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
-    """Dynamic factors of all attracting motions over speed, for one relief.
+    """Draws the dynamic factors of all attracting motions over speed, for one relief.
 
-    A point for each motion, the larger the more starts lead to it, in the colour of the mesh periods after which it
-    repeats. Where the motion that a sweep by single speeds shows is among them, the point has an outline. Motions that
-    no start reaches are hollow. Where dynamic factors differ widely their axis is logarithmic.
+    Each motion is a point, larger if more starts lead to it, in the colour of the number of mesh periods after which it repeats.
+    The motion that a sweep by single speeds finds has an outline. Motions that no start reaches are hollow. If dynamic factors
+    differ widely, their axis is logarithmic.
 
     Parameters
     ----------
     attractors : Study or Table
         A study, or its table `attractors`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     relief_um : float, optional
         The relief; otherwise the first.
 
@@ -65,13 +65,13 @@ def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief
     relief_um = study.attractor_points.relief_um[0] if relief_um is None else relief_um
     points = study.attractor_points.at(relief_um=relief_um)
     shown = dict(zip(np.atleast_1d(points.rpm), np.atleast_1d(points.each_motion)))
-    here = found.relief_um == relief_um
+    mask = found.relief_um == relief_um
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         entries = []
         for kind, color in KINDS.items():
             if isinstance(kind, str):
                 continue
-            mine = here & (np.minimum(found.mesh_periods, 3) == kind)
+            mine = mask & (np.minimum(found.mesh_periods, 3) == kind)
             if not mine.any():
                 continue
             drawn = [found.motion[i] == shown[found.rpm[i]] for i in np.flatnonzero(mine)]
@@ -84,13 +84,13 @@ def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief
             entries.append(Line2D([], [], linestyle='', marker='o', color=color, label=label))
         outline: dict[str, Any] = {'marker': 'o', 'color': 'none', 'markeredgecolor': INK, 'markeredgewidth': 0.6}
         entries.append(Line2D([], [], linestyle='', label='shown by a sweep', **outline))
-        if (found.starts[here] == 0).any():
+        if (found.starts[mask] == 0).any():
             entries.append(Line2D([], [], linestyle='', marker='o', markersize=3, label='no start reaches it', **UNREACHED))
         legends_above(ax, (f'Tip relief {relief_um:g} µm', entries))
-        factor = found.dynamic_factor[here & np.isfinite(found.dynamic_factor)]
+        factor = found.dynamic_factor[mask & np.isfinite(found.dynamic_factor)]
         if factor.size and factor.max() > WIDE * factor.min():
             ax.set_yscale('log')
-        if not here.any():
+        if not mask.any():
             ax.set_xlim(np.min(points.rpm), np.max(points.rpm) + 1)
         over_speeds(ax, points.rpm)
         ax.set_ylabel('Dynamic factor (–)')
@@ -98,9 +98,9 @@ def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief
 
 
 def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | None = None, relief_um: float | None = None) -> Axes:
-    """The starts that lead to each attracting motion at one speed and relief, in a colour for each motion.
+    """Draws the starts that lead to each attracting motion at one speed and relief, in a colour for each motion.
 
-    Marks are the motions themselves, as a new pair enters, where they lie among the starts. Light grey: no motion
+    Marks are the motions themselves, as a new pair enters, at their places among the starts. Light grey: no motion
     captured the start.
 
     Parameters
@@ -108,7 +108,7 @@ def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | N
     basins : Study or Table
         A study, or its table `basins`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     rpm : float, optional
         The speed of the pinion; otherwise the first of those with most motions.
     relief_um : float, optional
@@ -123,7 +123,7 @@ def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | N
     points = study.attractor_points.at(relief_um=relief_um)
     rpm = points.rpm[np.argmax(points.motions)] if rpm is None else rpm
     starts, found = study.basins.at(relief_um=relief_um, rpm=rpm), study.attractors
-    here = np.flatnonzero((found.relief_um == relief_um) & (found.rpm == rpm))
+    mask = np.flatnonzero((found.relief_um == relief_um) & (found.rpm == rpm))
     across = round(np.sqrt(starts.motion.size))
     grid = starts.dte_um.reshape(across, across), starts.dte_rate_mm_s.reshape(across, across)
     most = len(HUES)
@@ -136,7 +136,7 @@ def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | N
             half = (values.max() - values.min()) / max(1, across - 1) / 2
             limits(values.min() - half, values.max() + half)
         entries = []
-        for i in here:
+        for i in mask:
             color = HUES[found.motion[i] - 1] if found.motion[i] <= most else INK
             mark: dict[str, Any] = {**HOLLOW, 'marker': 'o', 'markersize': 5, 'markerfacecolor': color, 'markeredgecolor': INK}
             ax.plot(found.dte_um[i], found.dte_rate_mm_s[i], **mark)

@@ -8,17 +8,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from ..study import Study
-from ..table import Table
+from ..core.study import Study
+from ..core.table import Table
 from .look import ACCENT, GREY, INK, MM, canvas, in_khz, in_mm
 from .reliefs import Integers, Reals, study_of
 
-#: Lines that a vector file should not have to hold.
+#: Number of lines above which they are drawn as pixels also in a vector file.
 MANY = 3000
 
 
 def plot_section(section: Study | Table, ax: Axes | None = None) -> Axes:
-    """The finite-element grid of a section: of a study or any of its tables."""
+    """Draws the finite-element grid of a section: of a study or any of its tables."""
     nodes, element = grid_of(section)
     with canvas(ax, height=80 * MM) as ax:
         _draw_grid(ax, nodes, element, INK)
@@ -27,14 +27,14 @@ def plot_section(section: Study | Table, ax: Axes | None = None) -> Axes:
 
 
 def plot_modal(modal: Study | Table, ax: Axes | None = None, *, mode: int = 1) -> Axes:
-    """A mode shape: the deformed grid over the one at rest, to no scale.
+    """Draws a mode shape: the deformed grid over the undeformed one, to no scale.
 
     Parameters
     ----------
     modal : Study or Table
         A study, or its table `modal`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     mode : int
         Number of the mode, from 1 for the lowest.
 
@@ -59,14 +59,14 @@ def plot_modal(modal: Study | Table, ax: Axes | None = None, *, mode: int = 1) -
 
 
 def grid_of(result: Study | Table) -> tuple[Reals, Integers]:
-    """Nodes (x and y in mm), and those of each element, counted from 0."""
+    """Returns nodes (x and y in mm), and those of each element, counted from 0."""
     study = study_of(result)
     element = np.column_stack([study.elements[f'node_{corner}'] for corner in range(1, 9)]) - 1
     return np.column_stack((study.nodes.x_mm, study.nodes.y_mm)), element
 
 
 def edges(nodes: Reals, element: Integers) -> tuple[Reals, Reals]:
-    """Curves (edge, point, axis) of all edges of eight-node elements, and of those on the boundary."""
+    """Returns curves (edge, point, axis) of all edges of eight-node elements, and of those on the boundary."""
     corner = np.arange(4)
     sides = element[:, np.stack((corner, corner + 4, (corner + 1) % 4), axis=1)].reshape(-1, 3)
     _, first, count = np.unique(np.sort(sides[:, ::2], axis=1), axis=0, return_index=True, return_counts=True)
@@ -77,7 +77,7 @@ def edges(nodes: Reals, element: Integers) -> tuple[Reals, Reals]:
 
 
 def _draw_grid(ax: Axes, nodes: Reals, element: Integers, color: str) -> None:
-    """The grid in thin lines, as pixels also in vector graphics where they are many; its boundary in a stronger one."""
+    """Draws the grid in thin lines, as pixels also in vector graphics if they are many; its boundary in a stronger line."""
     every, outer = edges(nodes, element)
     thin: dict[str, Any] = {'linewidths': 0.2, 'alpha': 0.6, 'rasterized': len(every) > MANY}
     ax.add_collection(LineCollection([*every], colors=color, **thin))

@@ -1,4 +1,4 @@
-"""Modes of a whole gear in three dimensions."""
+"""Modes of a complete gear in three dimensions."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
-from ..study import Study
-from ..table import Table
+from ..core.study import Study
+from ..core.table import Table
 from .body import edges
 from .look import GREY, INK, MM, canvas, in_khz
 from .reliefs import Integers, Reals, study_of
@@ -16,17 +16,17 @@ from .stress import TRIANGLES
 
 
 def plot_body_modes(modes: Study | Table, ax: Axes | None = None, *, mode: int = 1) -> Axes:
-    """A mode of the gear seen from the front, deformed to no scale over its outline at rest.
+    """Draws a mode of the gear seen from the front, deformed to no scale over its undeformed outline.
 
-    The colour is the displacement along the axis where that has most of the kinetic energy, red towards the eye, else the
-    size of the displacement in the plane.
+    The colour is the axial displacement if that has most of the kinetic energy, red towards the viewer, otherwise the magnitude of
+    the displacement in the plane.
 
     Parameters
     ----------
     modes : Study or Table
         A study, or its table `body_modes`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     mode : int
         Number of the mode, from 1 for the lowest, among those whose shapes the study has.
 
@@ -62,8 +62,9 @@ def plot_body_modes(modes: Study | Table, ax: Axes | None = None, *, mode: int =
 
 
 def whole_gear(study: Study, mode: int) -> tuple[Reals, Integers, Reals]:
-    """Nodes on the front of all sectors (x and y in mm), those of each element, counted from 0, and how each is displaced in
-    x, y and z by a mode."""
+    """Returns nodes on the front of all sectors (x and y in mm), those of each element, counted from 0, and their displacements in
+    x, y and z by a mode.
+    """
     shapes, table = study.body_shapes, study.body_nodes
     sectors = int(np.ravel(study.gear_body.sectors)[0])
     waves = study.body_modes.nodal_diameter[mode - 1]
@@ -81,7 +82,7 @@ def whole_gear(study: Study, mode: int) -> tuple[Reals, Integers, Reals]:
 
 
 def _outline(place: Reals, element: Integers, rest: Reals | None = None) -> Reals:
-    """The boundary's curves; the cuts between sectors, which are radial at rest, are none of it."""
+    """Returns the curves of the boundary; without the cuts between sectors, which are radial in the undeformed gear."""
     rest = place if rest is None else rest
     _, outer = edges(rest, element)
     ends = outer[:, ::4]

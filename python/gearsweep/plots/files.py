@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from math import ceil
-from textwrap import fill
+from textwrap import wrap
 from typing import BinaryIO
 
 import numpy as np
@@ -15,8 +15,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
-from .._files import replacing
-from ..study import Study
+from ..core.files import replacing
+from ..core.study import Study
+from ..core.texts import escaped
 from .along_path import (
     plot_dte,
     plot_harmonics,
@@ -31,7 +32,7 @@ from .as_built import plot_as_built, plot_assemblies, plot_orders, plot_turn, pl
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
-from .branches import plot_branch_curves, plot_branches, reliefs_of
+from .branches import plot_branches, reliefs_of
 from .deflection_relief import LABELS, plot_deflection_relief, plot_relief_flank
 from .flank import plot_flank
 from .frequency import plot_body_campbell, plot_campbell, plot_frequency_response
@@ -39,6 +40,7 @@ from .gears import plot_geometry
 from .life import plot_life
 from .look import COLUMN, GREY, MM, PAGE, style
 from .over_speed import DTE_LABELS, plot_dte_sweep, plot_optimum, plot_sweep
+from .over_torque import plot_optimum_map, plot_torques
 from .precision import PANELS, plot_precision
 from .rating import plot_rating
 from .sensitivity import plot_sensitivity
@@ -50,22 +52,22 @@ from .transient import plot_transient, plot_transient_peaks
 
 @dataclass(frozen=True)
 class Picture:
-    """What is said below a picture, and how it is drawn."""
+    """Caption of a picture, and the function that draws it."""
 
     caption: str
     draw: Callable[[Study], Figure]
-    table: str = ''  #: that it shows, where that is not its name
-    has_some: Callable[[Study], bool] = lambda study: True  #: whether there is something to see
+    table: str = ''  #: main table, if its name differs
+    has_some: Callable[[Study], bool] = lambda study: True  #: true if there is something to draw
 
 
-#: No more panels than this in a picture; it says how many there would be.
+#: Largest number of panels in a picture, which reports the full number.
 MOST = 20
 
 
 def draw_all(
     study: Study, folder: str | os.PathLike, stem: str = 'gearsweep', formats: Sequence[str] = ('png', 'svg')
 ) -> list[str]:
-    """Draws all that a study holds into files named as the tables are: `stem.sweep.png` and so on.
+    """Draws all results of a study into files named after the tables: `stem.sweep.png` and so on.
 
     Parameters
     ----------
@@ -93,9 +95,9 @@ def draw_all(
 
 
 def figures(study: Study, *names: str, stem: str = '') -> Iterator[tuple[str, Figure]]:
-    """Name and figure of each picture that `draw_all` writes, or of those named: as the table that it mainly shows.
+    """Returns name and figure of each picture that `draw_all` writes, or of those named: after its main table.
 
-    Above each stands the title of the case, or else `stem`.
+    Each has the title of the case at the top, or else `stem`.
     """
     for name, picture in PICTURES.items():
         if (picture.table or name) in study and (not names or name in names) and picture.has_some(study):
@@ -106,16 +108,16 @@ def figures(study: Study, *names: str, stem: str = '') -> Iterator[tuple[str, Fi
 
 
 def _entitle(figure: Figure, title: str) -> None:
-    """Says whose picture it is, in the upper right corner."""
+    """Writes the title in the upper right corner."""
     across = int(figure.get_figwidth() / MM / 1.7)  # letters of this size
     if title:
-        figure.suptitle(fill(title, across), x=0.99, ha='right', fontsize=7, color=GREY)
+        figure.suptitle('\n'.join(map(escaped, wrap(title, across))), x=0.99, ha='right', fontsize=7, color=GREY)
 
 
 def save(figure: Figure, file: str | os.PathLike | BinaryIO, ending: str) -> None:
-    """Writes a picture in this format; the same picture gives the same bytes, as no date is written.
+    """Writes a picture in this format; the same picture has the same bytes, as no date is written.
 
-    A file that is there is replaced when the new one is complete.
+    An existing file is replaced when the new one is complete.
 
     Raises
     ------
@@ -137,7 +139,7 @@ def _single(plot: Callable, height: float, width: float = COLUMN) -> Callable[[S
 
 
 def _reliefs(table: str, plot: Callable, height: float = 80) -> Callable[[Study], Figure]:
-    """A panel below the other for each relief; one where the relief is no index."""
+    """Draws panels below each other, one for each relief; a single one if the relief is no index."""
 
     def draw(study: Study) -> Figure:
         amounts = reliefs_of(study[table])
@@ -149,16 +151,8 @@ def _reliefs(table: str, plot: Callable, height: float = 80) -> Callable[[Study]
     return draw
 
 
-def _branch_curves(study: Study) -> Figure:
-    """A panel for each relief; one where the relief is a parameter."""
-    case = study.case
-    if 'relief_um' in (case.get('branches', 'parameter', '').lower(), case.get('branches', 'second').lower()):
-        return _single(plot_branch_curves, 90, PAGE)(study)
-    return _reliefs('branch_curves', plot_branch_curves, 90)(study)
-
-
 def _sensitivity(study: Study) -> Figure:
-    """A panel for each relief and speed."""
+    """Draws a panel for each relief and speed."""
     points = list(dict.fromkeys(zip(study.sensitivity.relief_um, study.sensitivity.rpm)))
     figure, axes = _panels(len(points), 'operating points', 2, 70)
     for ax, (amount, rpm) in zip(axes, points):
@@ -168,7 +162,7 @@ def _sensitivity(study: Study) -> Figure:
 
 
 def _mesh(study: Study) -> Figure:
-    """Stiffness, sharing and transmission error below each other."""
+    """Draws stiffness, sharing and transmission error below each other."""
     figure = Figure((COLUMN, 150 * MM), layout='constrained')
     axes = figure.subplots(3, sharex=True)
     for plot, ax in zip((plot_stiffness, plot_sharing, plot_ste), axes):
@@ -179,7 +173,7 @@ def _mesh(study: Study) -> Figure:
 
 
 def _dte_sweep(study: Study) -> Figure:
-    """Root mean square and peak to peak below each other."""
+    """Draws rms and peak to peak below each other."""
     figure = Figure((PAGE, 130 * MM), layout='constrained')
     axes = figure.subplots(2, sharex=True)
     for ax, quantity in zip(axes, DTE_LABELS):
@@ -191,7 +185,7 @@ def _dte_sweep(study: Study) -> Figure:
 
 
 def _relief_curve(study: Study) -> Figure:
-    """Transmission error and dynamic factor below each other."""
+    """Draws transmission error and dynamic factor below each other."""
     figure = Figure((COLUMN, 115 * MM), layout='constrained')
     axes = figure.subplots(2, sharex=True)
     for ax, quantity in zip(axes, LABELS):
@@ -202,16 +196,25 @@ def _relief_curve(study: Study) -> Figure:
     return figure
 
 
+def _torques(study: Study) -> Figure:
+    """Draws curves over torque next to the map."""
+    figure = Figure((PAGE, 75 * MM), layout='constrained')
+    left, right = figure.subplots(1, 2)
+    plot_torques(study, left)
+    plot_optimum_map(study, right)
+    return figure
+
+
 def _relief_flank(study: Study) -> Figure:
-    """A panel for each gear."""
+    """Draws a panel for each gear."""
     figure, axes = _panels(2, 'gears', 2, 70)
-    for ax, member in zip(axes, ('pinion', 'gear')):
-        plot_relief_flank(study, ax, member=member)
+    for ax, gear in zip(axes, ('pinion', 'gear')):
+        plot_relief_flank(study, ax, gear=gear)
     return figure
 
 
 def _speeds(table: str, plot: Callable) -> Callable[[Study], Figure]:
-    """A panel for each speed."""
+    """Draws a panel for each speed."""
 
     def draw(study: Study) -> Figure:
         speeds = list(dict.fromkeys(study[table].rpm))
@@ -225,7 +228,7 @@ def _speeds(table: str, plot: Callable) -> Callable[[Study], Figure]:
 
 
 def _loads(study: Study) -> Figure:
-    """A row for each speed: load of a pair, and transmission error."""
+    """Draws a row for each speed: load of a pair, and transmission error."""
     speeds = list(dict.fromkeys(study.load.rpm))
     figure, axes = _panels(2 * len(speeds), 'panels', 2, 60)
     for left, right, rpm in zip(axes[::2], axes[1::2], speeds):
@@ -236,7 +239,7 @@ def _loads(study: Study) -> Figure:
 
 
 def _flank(study: Study) -> Figure:
-    """Pressure, sliding, flash temperature and film below each other, a column for each of at most two speeds."""
+    """Draws pressure, sliding, flash temperature and film below each other, a column for each of at most two speeds."""
     speeds = list(dict.fromkeys(study.flank.rpm))
     shown = speeds[:2]
     figure = Figure((COLUMN if len(shown) == 1 else PAGE, 190 * MM), layout='constrained')
@@ -256,25 +259,31 @@ def _flank(study: Study) -> Figure:
 
 
 def _as_built(study: Study) -> Figure:
-    """A panel for each relief, all to one scale."""
+    """Draws a panel for each relief, all to one scale."""
     figure = _reliefs('as_built', plot_as_built, 70)(study)
     _one_scale(figure.axes, 'y')
     return figure
 
 
 def _assemblies(study: Study) -> Figure:
-    """A panel for each relief, all to one scale."""
+    """Draws a panel for each relief, all to one scale."""
     amounts = reliefs_of(study.as_built_worst)
     figure, axes = _panels(len(amounts), 'reliefs', 2, 65)
     for ax, amount in zip(axes, amounts):
         plot_assemblies(study, ax, relief_um=amount)
-        ax.margins(y=0.35)  # room for the words of the least and the largest of all
+        ax.margins(y=0)
     _one_scale(axes, 'y')
+    least, largest = axes[0].get_ylim()
+    room = 0.35 * (largest - least)  # for the labels of the least and the largest value
+    for ax in axes:
+        ax.set_ylim(least - room, largest + room)
     return figure
 
 
 def _turn(study: Study) -> Figure:
-    """Transmission error above the loads of the pairs, for each relief and speed; at rest alone where a relief has no answer."""
+    """Draws the transmission error above the loads of the pairs, for each relief and speed; static only if a relief did not
+    converge.
+    """
     loads = study.as_built_loads
     points = list(dict.fromkeys(zip(loads.relief_um, loads.rpm)))
     alone = [amount for amount in dict.fromkeys(study.as_built_turn.relief_um) if amount not in loads.relief_um]
@@ -289,7 +298,7 @@ def _turn(study: Study) -> Figure:
 
 
 def _orders(study: Study) -> Figure:
-    """A panel for each relief and speed."""
+    """Draws a panel for each relief and speed."""
     points = list(dict.fromkeys(zip(study.as_built_orders.relief_um, study.as_built_orders.rpm)))
     figure, axes = _panels(len(points), 'operating points', 1, 90)
     for ax, (amount, rpm) in zip(axes, points):
@@ -298,7 +307,7 @@ def _orders(study: Study) -> Figure:
 
 
 def _body_modes(study: Study) -> Figure:
-    """A panel for each mode that has a shape."""
+    """Draws a panel for each mode that has a shape."""
     count = len(study.body_shapes.axial_cos)
     figure, axes = _panels(count, 'modes', 2, 85)
     for mode, ax in enumerate(axes, 1):
@@ -307,7 +316,7 @@ def _body_modes(study: Study) -> Figure:
 
 
 def _precision(study: Study) -> Figure:
-    """A panel for each kind of computation."""
+    """Draws a panel for each kind of computation."""
     shown = {title: names for title, names in PANELS.items() if np.isin(names, study.precision.quantity).any()}
     figure, axes = _panels(len(shown), 'quantities', 2, 75)
     for ax, (title, names) in zip(axes, shown.items()):
@@ -316,7 +325,7 @@ def _precision(study: Study) -> Figure:
 
 
 def _modes(study: Study) -> Figure:
-    """A panel for each mode."""
+    """Draws a panel for each mode."""
     aspect = np.ptp(study.nodes.y_mm) / np.ptp(study.nodes.x_mm)
     figure, axes = _panels(study.modal.rows, 'modes', 4, 5 + 42 * aspect)
     for i, ax in enumerate(axes):
@@ -325,7 +334,7 @@ def _modes(study: Study) -> Figure:
 
 
 def _panels(n: int, what: str, across: int, height: float) -> tuple[Figure, list[Axes]]:
-    """A figure with n panels of this height (mm), or as many as may be."""
+    """Returns a figure with n panels of this height (mm), or as many as are allowed."""
     shown = min(n, MOST)
     rows = ceil(shown / across)
     columns = ceil(shown / rows)
@@ -339,23 +348,23 @@ def _panels(n: int, what: str, across: int, height: float) -> tuple[Figure, list
 
 
 def _one_scale(axes: Sequence[Axes], of: str = 'x') -> None:
-    """Panels whose values are to be compared have the same axis."""
+    """Sets the same axis for panels whose values are compared."""
     ends = np.array([getattr(ax, f'get_{of}lim')() for ax in axes])
     for ax in axes:
         ax.set(**{f'{of}lim': (ends[:, 0].min(), ends[:, 1].max())})
 
 
 def _one_legend(axes: Sequence[Axes]) -> None:
-    """Leaves the legend of the reliefs to the first of the panels."""
+    """Keeps the legend of the reliefs in the first panel only."""
     for ax in axes[1:]:
         if (legend := ax.get_legend()) and legend.get_title().get_text():
             legend.remove()
 
 
-#: All pictures, by the table that each mainly shows.
+#: All pictures, by their main tables.
 PICTURES = {
     'outline': Picture('Both gears in mesh, the line of action with A, B, P, D, E, and the working pitch circles', _single(plot_geometry, 60)),
-    'section': Picture('Finite-element grid', _single(plot_section, 80)),
+    'section': Picture('Finite-element grid', _single(plot_section, 80), 'elements'),
     'mesh': Picture('Along the path of contact: stiffness of all pairs and of one, load share, static transmission error', _mesh),
     'harmonics': Picture("Amplitudes of the static transmission error's harmonics", _single(plot_harmonics, 60)),
     'static': Picture('Root stress on both sides while the load moves; ISO 6336-3 and Lewis', _single(plot_static, 65)),
@@ -370,7 +379,9 @@ PICTURES = {
                                 _speeds('torque_harmonics', plot_torque_harmonics)),
     'sweep': Picture('Dynamic factor over speed, a curve for each relief', _single(plot_sweep, 80, PAGE)),
     'dte_sweep': Picture('Dynamic transmission error over speed: root mean square, and peak to peak', _dte_sweep, 'sweep'),
-    'optimum_curve': Picture('Largest dynamic factor over relief, the least marked', _single(plot_optimum, 60)),
+    'optimum_curve': Picture('What the search for the best relief judged, over relief, the least marked', _single(plot_optimum, 60)),
+    'optimum_map': Picture('What the search judged over torque for some reliefs, and over torque and relief, with the best relief of each torque', _torques,
+                           has_some=lambda study: len(study.optimum_map.torque_nm) > 1),
     'relief_curve': Picture('Static transmission error and dynamic factor over relief, with the reliefs of each method', _relief_curve),
     'relief_flank': Picture('Relief over the diameter of both flanks by each method', _relief_flank),
     'stability': Picture('Largest Floquet multiplier over speed and damping, tongues of instability and the damping that closes them',
@@ -382,9 +393,8 @@ PICTURES = {
     'attractors': Picture('Dynamic factors of all attracting motions over speed, the more starts lead to one the larger',
                           _reliefs('attractor_points', plot_attractors)),
     'basins': Picture('Which starts lead to which motion at one speed', _reliefs('basins', plot_basins)),
-    'branches': Picture('Bifurcation diagram: dynamic factor of all branches, solid where the motion attracts, dashed where it repels, '
-                        'with folds, doublings and grazing', _reliefs('branches', plot_branches, 90)),
-    'branch_curves': Picture('Curves of folds, doublings and grazing over two numbers of the case', _branch_curves),
+    'branches': Picture('Bifurcation diagram: transmission error (rms) or dynamic factor of all branches over speed, mesh frequency or frequency '
+                        'ratio, solid where the motion attracts, dashed where it repels, with folds, doublings and grazing', _reliefs('branches', plot_branches, 90)),
     'sensitivity': Picture('By how many per cent the dynamic factor changes with one per cent of each number of the motion', _sensitivity),
     'precision': Picture("Relative error over run time, a curve for each method, the methods' own estimates beside it", _precision),
     'flank': Picture("Pressure, sliding, flash temperature and film along the path of contact, under the motion's load and, fine, the static one",

@@ -8,24 +8,23 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
 from matplotlib.path import Path
 
-from .._outline import contact_path, first_tooth, rotated, turn_to, whole
-from ..study import Study
-from ..table import Table
+from ..core.outline import contact_path, first_tooth, mesh_angle, outline_of, rotated
+from ..core.study import Study
+from ..core.table import Table
 from .look import ACCENT, GREY, HALO, INK, MM, canvas, in_mm, legends_above
 from .reliefs import Reals, study_of
 
-#: Of the working pitch circles.
+#: Line style of the working pitch circles.
 PITCH = (0, (8, 2, 2, 2))
 
 FILL = {'pinion': '#dbe6ee', 'gear': '#ececec'}
 
 
 def plot_geometry(study: Study | Table, ax: Axes | None = None) -> Axes:
-    """The teeth around the path of contact with its points A, B, P, D, E; the pinion below drives to the right.
+    """Draws the teeth around the path of contact with its points A, B, P, D, E; the pinion below drives to the right.
 
     Of a study or any of its tables. Contact is in the middle of the path. Thin lines are the line of action and the working pitch circles. The
-    gears are drawn whole, so that `ax.autoscale()` shows all of them; of a gear with more than 500 teeth,
-    those nearby.
+    gears are complete, so that `ax.autoscale()` shows all teeth; a gear with more than 500 teeth has only those nearby.
     """
     study = study_of(study)
     geometry = study.geometry
@@ -55,8 +54,9 @@ def plot_geometry(study: Study | Table, ax: Axes | None = None) -> Axes:
 
 
 def _names(ax: Axes, gears: dict[str, tuple[Reals, Reals, int]]) -> None:
-    """Which gear (outline, centre, turning clockwise: 1, else -1) is which, beside its edge of the picture and within its teeth, with an
-    arrow for how it turns."""
+    """Names each gear (outline, centre, turning clockwise: 1, else -1) at its edge of the picture and within its teeth, with an
+    arrow for its rotation.
+    """
     for (name, (outline, centre, way)), height in zip(gears.items(), (0.09, 0.91)):
         inside = Path(outline)
         place = ax.transAxes + ax.transData.inverted()
@@ -71,12 +71,12 @@ def _names(ax: Axes, gears: dict[str, tuple[Reals, Reals, int]]) -> None:
                                                           'shrinkA': 0, 'shrinkB': 0})  # fmt: skip
 
 
-def _turned(study: Study, member: str, touch: Reals) -> Reals:
-    """The outline about its centre, turned until the first tooth's drive flank goes through the point `touch`."""
-    outline = whole(study, member)
-    turn = turn_to(study, member, touch)
-    if len(first_tooth(study, member)) < len(outline):
+def _turned(study: Study, gear: str, touch: Reals) -> Reals:
+    """Returns the outline about its centre, turned until the first tooth's drive flank passes the point `touch`."""
+    outline = outline_of(study, gear)
+    turn = mesh_angle(study, gear, touch)
+    if len(first_tooth(study, gear)) < len(outline):
         return rotated(outline, turn)
-    pitch = 2 * np.pi / study.case.get(member, 'teeth')
+    pitch = 2 * np.pi / study.case.get(gear, 'teeth')
     some = np.concatenate([rotated(outline, turn + k * pitch) for k in range(-4, 5)])
     return np.vstack((0.9 * some[0], some, 0.9 * some[-1]))

@@ -1,4 +1,4 @@
-"""Kinds of motion by when they repeat: their colours and words, the same in all pictures."""
+"""Kinds of motion by their period: their colours and words, the same in all pictures."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 
 from .look import BLUE, ORANGE, PALE, SKY, WINE
 
-#: Motions that repeat with the mesh, after two periods, after more; chaos; what is not known.
+#: Motions that repeat with the mesh, after two periods, after more; chaos; not known.
 KINDS: dict[int | str, str] = {1: BLUE, 2: ORANGE, 3: SKY, 'chaotic': WINE, 'undecided': PALE}
 
 
 def in_words(kind: int | str, periods: np.ndarray) -> str:
-    """What a legend says of motions of one kind that repeat after so many mesh periods."""
+    """Words of a legend for motions of one kind that repeat after so many mesh periods."""
     if isinstance(kind, str):
         return kind
     if kind == 1:

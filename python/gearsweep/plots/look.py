@@ -1,4 +1,4 @@
-"""How all pictures look: sizes, fonts, colours, lines, legends."""
+"""Look of all pictures: sizes, fonts, colours, lines, legends."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ GREY = '#767676'
 FAINT = '#c8c8c8'
 ACCENT = '#1f5f8b'
 
-# Colours of kinds, which people of all kinds of colour vision tell apart (Okabe and Ito 2008, Color universal design; wine and the
-# pale grey for the fewest kinds that lie farthest from each other).
+# Colours of kinds, distinguishable with any kind of colour vision (Okabe and Ito 2008, Color universal design; wine and pale grey
+# for the least frequent kinds, which differ most from each other).
 BLUE, ORANGE, SKY, WINE, PALE = '#0072B2', '#E69F00', '#56B4E9', '#882255', '#999999'
 YELLOW, GREEN, VERMILION, PURPLE = '#F0E442', '#009E73', '#D55E00', '#CC79A7'
 
-# The first four are alike in their measures, so that a picture is laid out alike; the last comes with matplotlib.
+# The first four fonts have equal metrics, so that pictures have the same layout; the last is part of matplotlib.
 FONTS = ('Arial', 'Helvetica', 'Liberation Sans', 'Nimbus Sans', 'DejaVu Sans')
 
 STYLE = {
@@ -63,33 +63,33 @@ STYLE = {
     'ytick.major.width': 0.6,
 }
 
-#: Curves of a family go from dark to light; these tell them apart in grey print too.
+#: Curves of a family range from dark to light, so that they differ in grey print too.
 DASHES = ('-', (0, (6, 2)), (0, (6, 1.5, 1, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5, 1, 1.5)), (0, (2.5, 1.5)))
 
-#: A line beside a family of curves, and marks.
+#: Style of a line that does not belong to the family of curves, and of marks.
 ASIDE: dict[str, Any] = {'color': INK, 'linewidth': 0.7, 'linestyle': (0, (2, 2))}
-FINE: dict[str, Any] = {'linewidth': 0.6, 'alpha': 0.6}  #: the same without motion, or by a rule of thumb
+FINE: dict[str, Any] = {'linewidth': 0.6, 'alpha': 0.6}  #: style of static values, and of rules of thumb
 HOLLOW: dict[str, Any] = {'linestyle': '', 'markersize': 3, 'markerfacecolor': 'white', 'markeredgewidth': 0.7}
 CROSS: dict[str, Any] = {'linestyle': '', 'marker': 'x', 'markersize': 3, 'markeredgewidth': 0.8}
 PUBLISHED: dict[str, Any] = {**HOLLOW, 'marker': 'o', 'markersize': 5, 'markeredgewidth': 1.1, 'markerfacecolor': 'none'}
 
-#: What letters over lines need.
+#: Outline of letters over lines.
 HALO = [withStroke(linewidth=1.8, foreground='white')]
 
-#: Part of the axes from which on an estimated error is drawn.
+#: Part of the axes above which an estimated error is drawn.
 VISIBLE = 0.005
 
 
 def style() -> AbstractContextManager:
-    """The look of the pictures: `with gearsweep.plots.style():` around figures of one's own."""
-    there = {font.name for font in fontManager.ttflist}
-    fonts = {'font.family': [name for name in FONTS if name in there]}
+    """Applies the look of the pictures: `with gearsweep.plots.style():` around figures of one's own."""
+    installed = {font.name for font in fontManager.ttflist}
+    fonts = {'font.family': [name for name in FONTS if name in installed]}
     return matplotlib.style.context([STYLE, fonts], after_reset=True)
 
 
 @contextmanager
 def canvas(ax: Axes | None, height: float = 60 * MM, width: float = COLUMN) -> Iterator[Axes]:
-    """The axes given, or those of a new figure of our look."""
+    """Returns the axes passed, or those of a new figure with this look."""
     if ax is not None:
         yield ax
         return
@@ -100,20 +100,20 @@ def canvas(ax: Axes | None, height: float = 60 * MM, width: float = COLUMN) -> I
 
 
 def line_styles(n: int) -> list[dict[str, Any]]:
-    """Colour and dashes of each of n curves."""
+    """Returns colour and dashes of each of n curves."""
     shades = matplotlib.colormaps['viridis'](np.linspace(0, 0.78, n)) if n > 1 else [ACCENT]
     return [{'color': shade, 'linestyle': DASHES[i % len(DASHES)]} for i, shade in enumerate(shades)]
 
 
 def legends_above(ax: Axes, *parts: tuple[str, Sequence[Artist]], gap: float = 0) -> None:
-    """Legends without frames on top of each other, each (title, entries), the last `gap` lines above the axes."""
+    """Places legends without frames on top of each other, each (title, entries), the last `gap` lines above the axes."""
     letter = FontProperties(size=matplotlib.rcParams['legend.fontsize']).get_size_in_points() / 72  # inches
     width = ax.bbox.width / ax.figure.dpi / letter
     for title, handles in reversed(parts):
         if not handles:
             continue
         if before := ax.get_legend():
-            ax.add_artist(before).set_clip_on(False)  # kept, and minded by the layout
+            ax.add_artist(before).set_clip_on(False)  # kept, and included in the layout
         widest = max(len(str(handle.get_label())) for handle in handles)
         columns = min(len(handles), max(1, int(width / (3.6 + 0.6 * widest))))
         ax.legend(
@@ -135,11 +135,12 @@ def legends_above(ax: Axes, *parts: tuple[str, Sequence[Artist]], gap: float = 0
 
 
 def names_above(ax: Axes, names: list[tuple[float, float, str, str]]) -> float:
-    """Upright names (x, y, words, colour) above the axes, ascending, each joined to its point, moved apart where they would overlap; how
-    many lines of words they are high."""
+    """Writes vertical names (x, y, words, colour) above the axes, ascending, each joined to its point, moved apart where they
+    would overlap; returns their height in lines of words.
+    """
     gap = 9.5 / (72 * ax.bbox.width / ax.figure.dpi) * ax.get_xlim()[1]
     places = np.array([x for x, *_ in names], float)
-    for _ in range(100):  # two that are too close give way to both sides
+    for _ in range(100):  # two that are too close move apart
         for k in range(1, len(places)):
             places[k - 1 : k + 1] += max(0.0, gap - places[k] + places[k - 1]) / 2 * np.array([-1, 1])
     arrow = {'arrowstyle': '-', 'color': FAINT, 'linewidth': 0.5, 'shrinkA': 0, 'shrinkB': 0}
@@ -150,7 +151,7 @@ def names_above(ax: Axes, names: list[tuple[float, float, str, str]]) -> float:
 
 
 def over_speeds(ax: Axes, rpm: Any) -> None:
-    """Labels an axis of speeds; a single one stands in the middle, alone."""
+    """Labels an axis of speeds; a single speed is in the middle and has the only tick."""
     ax.set_xlabel('Speed of the pinion (1/min)')
     speeds = np.unique(rpm)
     if len(speeds) == 1:
@@ -159,12 +160,12 @@ def over_speeds(ax: Axes, rpm: Any) -> None:
 
 
 def in_khz(frequency_hz: float) -> str:
-    """A frequency as pictures tell it."""
+    """Formats a frequency for pictures."""
     return f'{frequency_hz / 1000:.4g} kHz'
 
 
 def in_mm(ax: Axes) -> None:
-    """Axes of a shape in mm, to the same scale."""
+    """Sets axes of a shape in mm, to the same scale."""
     ax.set_aspect('equal')
     ax.set_xlabel('x (mm)')
     ax.set_ylabel('y (mm)')

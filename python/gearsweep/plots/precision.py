@@ -1,4 +1,4 @@
-"""Error against run time, of the case's own quantities."""
+"""Error against run time, for the quantities of the case."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
-from ..study import Study
-from ..table import Table
+from ..core.study import Study
+from ..core.table import Table
 from .look import ASIDE, BLUE, GREY, HOLLOW, INK, ORANGE, SKY, WINE, canvas, legends_above
 from .reliefs import study_of
 
-#: What a panel shows, and under which of the names in the column quantity it lies.
+#: Titles of the panels, and their names in the column quantity.
 PANELS = {
     'Dynamic factor': ('dynamic_factor',),
     'Harmonics of the static transmission error': ('ste_harmonic',),
@@ -26,17 +26,17 @@ MARKS = ('o', 's', '^', 'D')
 
 def plot_precision(precision: Study | Table, ax: Axes | None = None, *, quantities: Sequence[str] = ('dynamic_factor',),
                    title: str = '') -> Axes:  # fmt: skip
-    """Relative error over run time, a curve for each method; with open marks what the method itself estimates.
+    """Draws the relative error over run time, a curve for each method; open marks are the method's own estimates.
 
-    Of several speeds, reliefs, harmonics or modes the largest error is drawn. Below the line
-    across, which is the estimated error of what all are compared with, errors say nothing.
+    For several speeds, reliefs, harmonics or modes the largest error is drawn. The horizontal line is the estimated error of the
+    reference; errors below it have no meaning.
 
     Parameters
     ----------
     precision : Study or Table
         A study, or its table `precision`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     quantities : sequence of str
         Words of the column `quantity`, such as 'dynamic_factor'.
     title : str
@@ -81,14 +81,14 @@ def plot_precision(precision: Study | Table, ax: Axes | None = None, *, quantiti
 
 
 def worst(shown: Table, mine: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """At each resolution: mean run time, largest error and largest estimate; NaN where none is known."""
+    """Returns, for each resolution, mean run time, largest error and largest estimate; NaN if none is known."""
     levels = np.unique(shown.resolution[mine])
     found = np.full((3, len(levels)), np.nan)
     for i, level in enumerate(levels):
-        here = mine & (shown.resolution == level)
-        found[0, i] = shown.run_time_s[here].mean()
+        mask = mine & (shown.resolution == level)
+        found[0, i] = shown.run_time_s[mask].mean()
         for k, column in enumerate((shown.error, shown.error_estimate), start=1):
-            if np.isfinite(column[here]).any():
-                # An error of nothing has no place on a logarithmic axis.
-                found[k, i] = max(np.nanmax(column[here]), 1e-17)
+            if np.isfinite(column[mask]).any():
+                # An error of 0 has no place on a logarithmic axis.
+                found[k, i] = max(np.nanmax(column[mask]), 1e-17)
     return found[0], found[1], found[2]

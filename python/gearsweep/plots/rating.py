@@ -6,23 +6,24 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from ..study import Study
-from ..table import Table
+from ..core.study import Study
+from ..core.table import Table
 from .look import ACCENT, FAINT, FINE, GREY, canvas, legends_above, over_speeds
 from .over_speed import curve
 from .reliefs import Reliefs, table_of
 
 
 def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
-    """Dynamic factor over speed by Method A, from the motion, and, fine, by Method B, for each relief; at a single speed as bars over the
-    reliefs.
+    """Draws the dynamic factor over speed for each relief: by Method A, from the motion, and as a thin line by Method B.
+
+    A single speed is drawn as bars over the reliefs.
 
     Parameters
     ----------
     dynamic : Study or Table
         A study, or its table `dynamic_factors`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
 
     Returns
     -------
@@ -43,6 +44,9 @@ def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
             ax.set_xlabel(f'Tip relief at {dynamic.rpm[0]:g} 1/min (µm)')
             return ax
         for values, _, more in methods:
+            if (values == values[0]).all():  # like Method B if relief has no effect
+                curve(ax, dynamic.rpm, values[0], {'color': GREY, **more})
+                continue
             for factor, look in zip(values, reliefs.styles):
                 curve(ax, dynamic.rpm, factor, {**look, **more})
         reliefs.legend(ax, [Line2D([], [], color=GREY, label=name, **more) for _, name, more in methods])

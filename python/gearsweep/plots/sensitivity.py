@@ -1,13 +1,13 @@
-"""How much the dynamic factor changes with each number of the motion."""
+"""Change of the dynamic factor with each number of the motion."""
 
 from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from .._names import NUMBERS
-from ..study import Study
-from ..table import Table
+from ..core.names import NUMBERS
+from ..core.study import Study
+from ..core.table import Table
 from .look import ACCENT, INK, canvas
 from .reliefs import table_of
 
@@ -15,16 +15,17 @@ from .reliefs import table_of
 def plot_sensitivity(
     sensitivity: Study | Table, ax: Axes | None = None, *, rpm: float | None = None, relief_um: float | None = None
 ) -> Axes:
-    """By how many per cent the dynamic factor grows where each number grows by one per cent: a bar for each, the longest on top.
+    """Draws the change of the dynamic factor, in per cent, for a change of each number by one per cent: a bar for each, the
+    longest on top.
 
-    Numbers by which there is no derivative are left out.
+    Numbers without a derivative are omitted.
 
     Parameters
     ----------
     sensitivity : Study or Table
         A study, or its table `sensitivity`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     rpm : float, optional
         The speed; otherwise the first.
     relief_um : float, optional
@@ -42,7 +43,7 @@ def plot_sensitivity(
     with canvas(ax) as ax:
         ax.barh(np.arange(len(rows)), table.relative_slope[rows], height=0.6, color=ACCENT)
         ax.set_yticks(np.arange(len(rows)), [NUMBERS[name] for name in table.number[rows]])
-        ax.locator_params(axis='x', nbins=3)  # signed numbers with three digits stand apart
+        ax.locator_params(axis='x', nbins=3)  # space between signed numbers with three digits
         ax.axvline(0, color=INK, linewidth=0.6)
         ax.set_title(f'{rpm:g} 1/min, tip relief {relief_um:g} µm')
         ax.set_ylabel('Input')

@@ -8,17 +8,18 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..study import Study
-from ..table import Table
+from ..core.study import Study
+from ..core.table import Table
+from ..core.texts import escaped
 from .look import canvas, legends_above, line_styles
 
-#: What axes say of columns whose names alone do not tell.
+#: Axis labels of columns whose names are not enough.
 NAMES = {'rpm': 'Speed of the pinion', 's': 'Path coordinate s', 'relief_um': 'Tip relief', 'ste_um': 'Static transmission error'}
 UNITS = {'': '–', 's': 'base pitches'}
 
 
 def compare(studies: Mapping[str, Study], table: str, column: str, ax: Axes | None = None, **where: float | str) -> Axes:
-    """A column of a table of several studies, a curve for each, over the index column that varies; harmonics as bars.
+    """Draws a column of a table of several studies, a curve for each, over the index column that varies; harmonics as bars.
 
     Parameters
     ----------
@@ -27,7 +28,7 @@ def compare(studies: Mapping[str, Study], table: str, column: str, ax: Axes | No
     table, column : str
         What is drawn, such as 'sweep' and 'dynamic_factor'.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     **where : float or str
         Values of other index columns, as in `relief_um=0`; the closest that a table has.
 
@@ -61,9 +62,9 @@ def compare(studies: Mapping[str, Study], table: str, column: str, ax: Axes | No
             if varying[0] == 'harmonic':  # 0 is the mean
                 width = 0.84 / max(2, len(studies))
                 shift = width * (i - (len(studies) - 1) / 2)
-                ax.bar(x[x > 0] + shift, y[x > 0], 0.94 * width, color=look['color'], label=name)
+                ax.bar(x[x > 0] + shift, y[x > 0], 0.94 * width, color=look['color'], label=escaped(str(name)))
             else:
-                ax.plot(x, y, label=name, **look)
+                ax.plot(x, y, label=escaped(str(name)), **look)
             ax.set_xlabel(labelled(part, varying[0]))
             ax.set_ylabel(labelled(part, column))
         legends_above(ax, ('', ax.get_legend_handles_labels()[0]))
@@ -71,7 +72,7 @@ def compare(studies: Mapping[str, Study], table: str, column: str, ax: Axes | No
 
 
 def labelled(table: Table, column: str) -> str:
-    """Name and unit of a column, as an axis says them."""
+    """Axis label with name and unit of a column."""
     unit, words = table.units[column], column.split('_')
     letters = re.sub(r'\W', '', unit.lower())
     for n in range(1, len(words)):

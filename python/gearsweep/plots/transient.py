@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from ..study import Study
-from ..table import Table, one_of
+from ..core.study import Study
+from ..core.table import Table, select_value
 from .look import FINE, GREY, canvas, over_speeds
 from .over_speed import curve
 from .reliefs import Reliefs, table_of
@@ -16,14 +16,15 @@ from .reliefs import Reliefs, table_of
 def plot_transient(
     transient: Study | Table, ax: Axes | None = None, *, rpm: float | None = None, tangent_deg: float | None = None
 ) -> Axes:
-    """Stress along both fillets at one point over time while the load passes; fine lines are for the same load at rest.
+    """Draws the stress along both fillets at one point over time while the load passes; fine lines are for the same load at
+    rest.
 
     Parameters
     ----------
     transient : Study or Table
         A study, or its table `transient`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
     rpm : float, optional
         One of the case's speeds in `&transient`; otherwise the first.
     tangent_deg : float, optional
@@ -39,16 +40,16 @@ def plot_transient(
         The case has no such speed or point.
     """
     table = table_of(transient, 'transient')
-    rpm = one_of(table.rpm, rpm, 'rpm')
-    tangent = one_of(table.tangent_deg, tangent_deg, 'tangent_deg')
+    rpm = select_value(table.rpm, rpm, 'rpm')
+    tangent = select_value(table.tangent_deg, tangent_deg, 'tangent_deg')
     reliefs = Reliefs(table.case)
     with canvas(ax) as ax:
         for relief in dict.fromkeys(table.relief_um):
             for side in ('drive', 'coast'):
-                here = np.isclose(table.rpm, rpm) & np.isclose(table.tangent_deg, tangent) & (table.side == side)
-                here &= table.relief_um == relief
-                curve(ax, table.time_ms[here], table.sigma_mpa[here], reliefs.style(relief))
-                curve(ax, table.time_ms[here], table.static_mpa[here], {**reliefs.style(relief), **FINE})
+                mask = np.isclose(table.rpm, rpm) & np.isclose(table.tangent_deg, tangent) & (table.side == side)
+                mask &= table.relief_um == relief
+                curve(ax, table.time_ms[mask], table.sigma_mpa[mask], reliefs.style(relief))
+                curve(ax, table.time_ms[mask], table.static_mpa[mask], {**reliefs.style(relief), **FINE})
         ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
         reliefs.legend(ax, [Line2D([], [], color=GREY, label='motion'), Line2D([], [], color=GREY, label='at rest', **FINE)])
         ax.set_xlabel(f'Time at {rpm:g} 1/min (ms)')
@@ -57,14 +58,14 @@ def plot_transient(
 
 
 def plot_transient_peaks(peaks: Study | Table, ax: Axes | None = None) -> Axes:
-    """Largest tension and compression of the fillets over speed, for each relief; fine lines are for the load at rest.
+    """Draws the largest tension and compression of the fillets over speed, for each relief; fine lines are for the load at rest.
 
     Parameters
     ----------
     peaks : Study or Table
         A study, or its table `transient_peaks`.
     ax : Axes, optional
-        Where to draw; otherwise a figure is made.
+        Axes to draw into; otherwise a figure is made.
 
     Returns
     -------

@@ -40,7 +40,7 @@ CASES = [
 
 def text(case, keys=''):
     """The case as gearsweep reads it, with further keys of the group mesh."""
-    members = '\n'.join(
+    gears = '\n'.join(
         f'&{name} teeth = {case.teeth[k]} profile_shift = {case.shift[k]} addendum = {case.addendum} dedendum = {case.dedendum} '
         f'rack_tip_radius = {case.tip_radius}{f" bore_mm = {case.bore[k]}" if case.bore[k] else ""} /'
         for k, name in enumerate(('pinion', 'gear')))
@@ -48,7 +48,7 @@ def text(case, keys=''):
     fixed = "'sides', 'rim'" if case.section else "'rim'"
     return f"""&case tasks = 'mesh' /
 &pair module_mm = {case.module} pressure_angle_deg = {case.angle[0]}{coast} face_width_mm = 10 /
-{members}
+{gears}
 &load line_load_n_mm = {case.load} /
 &relief amount_um = {', '.join(str(v) for v in case.reliefs)} start = 'hpstc' /
 &mesh model = 'fe' ste_harmonics = 3 {keys} /

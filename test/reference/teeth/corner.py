@@ -31,18 +31,18 @@ def half_plane(arc, young):
 class Corner:
     """The pair's contact near a tip corner, at s below 0 or a little above (the gear's tip), or about the contact ratio."""
 
-    def __init__(self, pair, members, end, depth):
+    def __init__(self, pair, gears, end, depth):
         """`end` 0 for A, 1 for E; `depth` in mm from the corner is how far the contact may reach."""
-        self.pair, self.members, self.end = pair, members, end
+        self.pair, self.gears, self.end = pair, gears, end
         self.owner = 1 - end
-        self.arc, self.rolls, self.whole, self.bed = members[self.owner].corner_bed(depth)
-        self.young = members[0].material.constants()[0]
+        self.arc, self.rolls, self.whole, self.bed = gears[self.owner].corner_bed(depth)
+        self.young = gears[0].material.constants()[0]
         self.kernel = half_plane(self.arc, self.young)
 
     def gaps(self, s):
         """Gap and tilt at each vertex, and the mate's roll length at its foot."""
         pair, rolled = self.pair, self.rolls[0]
-        lowest = self.members[self.end].lowest
+        lowest = self.gears[self.end].lowest
         found = []
         for r in self.rolls:                                   # further in, the mate has no flank to face the tooth
             try:
@@ -60,10 +60,10 @@ class Corner:
         Returns them, and what belongs to no load: the least gap.
         """
         gap, tilt, foot = self.gaps(s)
-        normals = np.array([self.members[self.owner].place(r)[1] for r in self.rolls])
+        normals = np.array([self.gears[self.owner].place(r)[1] for r in self.rolls])
         c, d = np.cos(tilt), np.sin(tilt)
         inward = -np.column_stack([c * normals[:, 0] - d * normals[:, 1], d * normals[:, 0] + c * normals[:, 1]])
-        mate = self.members[1 - self.owner].own
+        mate = self.gears[1 - self.owner].own
         matrix = np.einsum('ik,ikjl,jl->ij', inward, self.bed, inward)
         matrix += self.kernel + self.whole[None, :] * mate((foot[:, None] + foot[None, :]) / 2)
         return np.array([self.approach(matrix, gap, load) for load in loads]), self.least(gap)

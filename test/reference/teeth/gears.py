@@ -99,16 +99,16 @@ class Pair:
         self.ratio = (ends[0] - self.start) / self.base_pitch
         self.pitch_point = (one.base[0] * tan(self.working) - self.start) / self.base_pitch
 
-    def members(self):
+    def gears(self):
         return self.pinion, self.gear
 
-    def roll(self, member, s):
+    def roll(self, which, s):
         """Length of the involute's tangent at the contact s base pitches behind A."""
         length = self.start + s * self.base_pitch
-        return length if member == 0 else self.path - length
+        return length if which == 0 else self.path - length
 
-    def radius(self, member, s):
-        return hypot(self.members()[member].base[0], self.roll(member, s))
+    def radius(self, which, s):
+        return hypot(self.gears()[which].base[0], self.roll(which, s))
 
     def curvature_radius(self, s):
         one, two = self.roll(0, s), self.roll(1, s)
@@ -123,7 +123,7 @@ class Pair:
         `tilt`, by which the normal of the corner's flank is turned out of it, and `radius` and gear (`owner`) of the point.
         """
         owner = 1 if s < self.ratio / 2 else 0
-        own, mate = self.members()[owner], self.members()[1 - owner]
+        own, mate = self.gears()[owner], self.gears()[1 - owner]
         rolled = sqrt(own.tip**2 - own.base[0]**2) - inward
         # The line of action is +y; it touches the owner's base circle, whose centre is the origin, in (base, 0).  The
         # owner's flank, prolonged, meets it at `height`; its point in question comes there after the angle `turn`.

@@ -24,10 +24,10 @@ class Relief:
     """
     amount: float = 0.0
 
-    def at(self, pair, member, s):
+    def at(self, pair, which, s):
         """What the flank lacks where its roll length belongs to s."""
         whole = floor(pair.ratio)
-        start, end = (whole, pair.ratio) if member == 0 else (pair.ratio - whole, 0.0)
+        start, end = (whole, pair.ratio) if which == 0 else (pair.ratio - whole, 0.0)
         return self.amount * min(1.0, max(0.0, (s - start) / (end - start)))
 
     def both(self, pair, s):
@@ -50,13 +50,13 @@ class Switches:
 class Mesh:
     """Both gears of a pair with their elastic bodies; `force` is the load on the line of action, N/mm."""
 
-    def __init__(self, pair, members, force, before=0.25):
-        self.pair, self.members, self.force, self.before = pair, members, force, before
-        self.young = members[0].material.constants()[0]
+    def __init__(self, pair, gears, force, before=0.25):
+        self.pair, self.gears, self.force, self.before = pair, gears, force, before
+        self.young = gears[0].material.constants()[0]
         self.ends = []
         for end in (0, 1):
             width = sqrt(8 * force * pair.curvature_radius(pair.ratio * end) / (pi * self.young))
-            self.ends.append(Corner(pair, members, end, 12 * width))
+            self.ends.append(Corner(pair, gears, end, 12 * width))
         # Up to so many half-widths of the contact from the tip corner the contact is solved by itself; up to twice as many,
         # part by part Hertz's.
         self.near = 3.0
@@ -65,7 +65,7 @@ class Mesh:
     def away(self, end, s):
         """Distance of the contact from the tip corner along its flank, in half-widths of the contact at full load."""
         pair, owner = self.pair, 1 - end
-        base = pair.members()[owner].base[0]
+        base = pair.gears()[owner].base[0]
         tip, here = pair.roll(owner, pair.ratio * end), pair.roll(owner, s)
         width = sqrt(8 * self.force * pair.curvature_radius(min(pair.ratio, max(0.0, s))) / (pi * self.young))
         return (tip**2 - here**2) / (2 * base) / width
@@ -77,7 +77,7 @@ class Mesh:
         return -4 / (pi * self.young) * (log(half / 2) - 0.5)
 
     def hertz(self, s, load):
-        return sum(m.own(self.pair.roll(k, s)) for k, m in enumerate(self.members)) + self.flattening(s, load)
+        return sum(m.own(self.pair.roll(k, s)) for k, m in enumerate(self.gears)) + self.flattening(s, load)
 
     def law(self, s):
         """Gap, and own compliance by the load; near a corner as its own contact says."""
@@ -112,13 +112,13 @@ class Mesh:
         """
         pair = self.pair
         if 0 <= s <= pair.ratio:
-            return [m.spot(pair.roll(k, s)) for k, m in enumerate(self.members)], 1.0
+            return [m.spot(pair.roll(k, s)) for k, m in enumerate(self.gears)], 1.0
         c = pair.corner(s)
         owner = c['owner']
         spots = [None, None]
-        spots[owner] = self.members[owner].spot(None, c['tilt'])
-        spots[1 - owner] = self.members[1 - owner].spot(c['foot'])
-        return spots, (1 + c['arm'] / pair.members()[owner].base[0]) / 2
+        spots[owner] = self.gears[owner].spot(None, c['tilt'])
+        spots[1 - owner] = self.gears[1 - owner].spot(c['foot'])
+        return spots, (1 + c['arm'] / pair.gears()[owner].base[0]) / 2
 
     def touching(self, phase, beyond, side):
         """Path coordinates of the pairs that may touch at a phase; where one enters or leaves there, as `side` says."""
@@ -138,7 +138,7 @@ class Mesh:
                 if i != j:
                     ahead = round(s[j] - s[i])                # on the pinion to the right, on the gear to the left
                     shared[i, j] = sum(m.shared(way * ahead, spots[i][k], spots[j][k])
-                                       for k, (m, way) in enumerate(zip(self.members, (1, -1))))
+                                       for k, (m, way) in enumerate(zip(self.gears, (1, -1))))
         return shared
 
     def solve(self, phase, relief, switches, side=0):

@@ -22,7 +22,7 @@ export function style(i, n) {
   const dark = isDark();
   if (n === 1) return { color: color('accent'), dash: '' };
   const place = i / (n - 1);
-  return { color: ramp(dark ? 1 - 0.6 * place : 0.76 * place), dash: DASHES[i % DASHES.length] };
+  return { color: ramp(dark ? 1 - 0.45 * place : 0.76 * place), dash: DASHES[i % DASHES.length] };
 }
 
 function ticks(low, high, most, isLog) {

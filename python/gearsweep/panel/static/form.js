@@ -65,8 +65,10 @@ function fieldOf(key) {
   const error = el('p', { className: 'error', id: `error.${id}`, hidden: true });
   const hint = el('p', { className: 'hint', id: `hint.${id}` }, hintOf(key));
   const isWide = key.list && words.length > 0;
+  // Words that a narrow select would cut, of which the default has one more behind it, are below their label.
+  const isLong = words.some((word) => worded(word).length + (word === plain(key.default ?? '') ? ' (default)'.length : 0) > 14);
   field.error = error;
-  field.row = el('div', { className: isWide ? 'field wide' : key.list ? 'field list' : 'field', id: `field.${id}` },
+  field.row = el('div', { className: isWide ? 'field wide' : key.list || isLong ? 'field list' : 'field', id: `field.${id}` },
     isWide ? el('span', { className: 'label', id: `label.${id}` }, label)
       : el('label', { for: id, title: `&${key.group} ${key.name}` }, label, key.unit ? el('span', { className: 'unit' }, unit(key.unit)) : null),
     field.box, error, hint);

@@ -4,6 +4,10 @@ import { style } from './chart.js';
 import { state } from './state.js';
 
 const ALONG = { needs: { contact_points: ['point', 's'] }, marks: 'points' };
+/** What the search judges reliefs by, where its tables have these columns. */
+const BY_STE = { set: ['optimum', 'judged', 'ste_peak_to_peak'] }, BY_FACTOR = { set: ['optimum', 'judged', 'dynamic_factor'], bound: 'at_least' };
+/** What the task load needs for the torques. */
+const TORQUE = { set: ['sweep', 'load_torque', '.true.'] };
 const SPEED = { needs: { motion: ['resonance_rpm'] }, marks: 'resonance' };
 
 /** What the branches may go along: their table has one of these columns. */
@@ -12,12 +16,17 @@ const BODIES = ['stress', 'modes', 'grid', 'gear_modes'];
 
 /** Kind (curves where none is given), table, columns, what they are called where not by their names, and what else is fetched. */
 export const PICTURES = [
-  { id: 'sweep', title: 'Dynamic factor over speed', table: 'sweep', x: 'rpm', y: 'dynamic_factor', other: 'other_dynamic_factor', othername: 'in the other direction', ...SPEED },
+  { id: 'sweep', title: 'Dynamic factor over speed', table: 'sweep', x: 'rpm', y: 'dynamic_factor', other: 'other_dynamic_factor', othername: 'in the other direction', seen: 'seen_dynamic_factor', ...SPEED },
   { id: 'largest', title: 'Largest dynamic factor of all motions over speed', table: 'sweep', x: 'rpm', y: ['dynamic_factor', 'largest_dynamic_factor'], yname: 'Dynamic factor', set: ['sweep', 'direction', 'all'], ...SPEED },
-  { id: 'dte_rms', title: 'Dynamic transmission error over speed, root mean square', table: 'sweep', x: 'rpm', y: 'dte_rms_um', fromZero: true, ...SPEED },
-  { id: 'dte_range', title: 'Dynamic transmission error over speed, peak to peak', table: 'sweep', x: 'rpm', y: 'dte_peak_to_peak_um', fromZero: true, ...SPEED },
+  { id: 'dte_rms', title: 'Dynamic transmission error over speed, root mean square', table: 'sweep', x: 'rpm', y: 'dte_rms_um', seen: 'seen_dte_rms_um', fromZero: true, ...SPEED },
+  { id: 'dte_range', title: 'Dynamic transmission error over speed, peak to peak', table: 'sweep', x: 'rpm', y: 'dte_peak_to_peak_um', seen: 'seen_dte_peak_to_peak_um', fromZero: true, ...SPEED },
   { id: 'sweep_map', title: 'Dynamic factor over speed and relief', table: 'sweep', kind: 'map', x: 'rpm', y: 'relief_um', z: 'dynamic_factor' },
-  { id: 'optimum', title: 'Largest dynamic factor over relief', table: 'optimum_curve', x: 'relief_um', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor', needs: { optimum: ['relief_um'] }, marks: 'optimum' },
+  { id: 'optimum', title: 'Largest dynamic factor over relief', table: 'optimum_curve', x: 'relief_um', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor', needs: { optimum: ['relief_um', 'judged'] }, marks: 'optimum', ...BY_FACTOR },
+  { id: 'optimum_ste', title: 'Peak-to-peak static transmission error over relief', table: 'optimum_curve', x: 'relief_um', y: 'ste_peak_to_peak_um', fromZero: true, ...BY_STE, needs: { optimum: ['relief_um', 'judged'] }, marks: 'optimum' },
+  { id: 'ste_torques', title: 'Peak-to-peak static transmission error over torque, for some reliefs', table: 'optimum_map', task: 'optimum', x: 'torque_nm', y: 'ste_peak_to_peak_um', fromZero: true, few: 7, needs: { optimum: ['relief_um'] }, ...BY_STE },
+  { id: 'ste_map', title: 'Peak-to-peak static transmission error over torque and relief', table: 'optimum_map', task: 'optimum', kind: 'map', x: 'torque_nm', y: 'relief_um', z: 'ste_peak_to_peak_um', ...BY_STE },
+  { id: 'factor_torques', title: 'Largest dynamic factor over torque, for some reliefs', table: 'optimum_map', task: 'optimum', x: 'torque_nm', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor', few: 7, needs: { optimum: ['relief_um'] }, ...BY_FACTOR },
+  { id: 'factor_map', title: 'Largest dynamic factor over torque and relief', table: 'optimum_map', task: 'optimum', kind: 'map', x: 'torque_nm', y: 'relief_um', z: 'worst_dynamic_factor', ...BY_FACTOR },
   { id: 'relief_flank', title: 'Tip relief over the diameter', table: 'relief_flank', task: 'deflection_relief', x: 'diameter_mm', y: 'relief_um', first: 'method' },
   { id: 'relief_search', title: 'Largest dynamic factor over relief, as searched', table: 'relief_curve', task: 'deflection_relief', x: 'relief_um', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor' },
   { id: 'load', title: 'Load of one pair in motion', table: 'load', x: 's', y: 'pair_load_n', fromZero: true, ...ALONG },
@@ -30,16 +39,16 @@ export const PICTURES = [
   { id: 'stiffness', title: 'Mesh stiffness', table: 'mesh', x: 's', y: 'mesh_stiffness_n_um', fromZero: true, ...ALONG },
   { id: 'pair_stiffness', title: 'Stiffness of one pair', table: 'mesh', x: 's', y: 'pair_stiffness_n_um', fromZero: true, ...ALONG },
   { id: 'profile_error', title: 'Profile error of a pair', table: 'mesh', x: 's', y: 'profile_error_um', ...ALONG },
-  { id: 'torque', title: 'Torque of the pinion over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: 'pinion_torque_nm' },
-  { id: 'torque_gear', title: 'Torque of the gear over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: 'gear_torque_nm' },
-  { id: 'torque_friction', title: 'Friction’s share of the torque over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: ['pinion_friction_nm', 'gear_friction_nm'], yname: 'Friction’s share (N·m)' },
-  { id: 'torque_harmonics', title: 'Harmonics of the torque of the pinion', table: 'torque_harmonics', task: 'torque', kind: 'bars', x: 'harmonic', y: 'pinion_amplitude_nm', above: 0 },
+  { id: 'torque', title: 'Torque of the pinion over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: 'pinion_torque_nm', ...TORQUE },
+  { id: 'torque_gear', title: 'Torque of the gear over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: 'gear_torque_nm', ...TORQUE },
+  { id: 'torque_friction', title: 'Friction’s share of the torque over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: ['pinion_friction_nm', 'gear_friction_nm'], yname: 'Friction’s share (N·m)', ...TORQUE },
+  { id: 'torque_harmonics', title: 'Harmonics of the torque of the pinion', table: 'torque_harmonics', task: 'load', kind: 'bars', x: 'harmonic', y: 'pinion_amplitude_nm', above: 0, ...TORQUE },
   { id: 'sensitivity', title: 'What changes the dynamic factor most', table: 'sensitivity', kind: 'ranking', x: 'relative_slope', xname: 'Change of DF for 1 % more (%)', y: 'number', yname: 'Input', also: ['derivative'] },
   { id: 'harmonics', title: 'Harmonics of the static transmission error', table: 'harmonics', kind: 'bars', x: 'harmonic', y: 'amplitude_um', above: 0 },
   { id: 'root', title: 'Root stress over the path of contact', table: 'static', x: 's', y: 'sigma_mpa', yname: 'Stress at the root tangent (MPa)', ...ALONG },
   { id: 'stress', title: 'Stress on the tooth', table: 'stress', task: 'static', kind: 'stress', set: ['static', 'field_position', '16'] },
   { id: 'modes', title: 'Natural modes, moving', table: 'mode_shapes', task: 'modal', kind: 'modes' },
-  { id: 'section', title: 'Finite-element grid', table: 'section', task: 'section', kind: 'grid' },
+  { id: 'section', title: 'Finite-element grid', table: 'elements', task: 'modal', kind: 'grid' },
   { id: 'stability', title: 'Stability over speed and damping', table: 'stability', kind: 'map', x: 'rpm', y: 'damping_ratio', z: 'floquet_modulus', low: 0, high: 2 },
   { id: 'tongues', title: 'Tongues of instability', table: 'tongue_edges', task: 'stability', y: 'damping_ratio', x: ['lower_rpm', 'upper_rpm'], xname: 'Speed (1/min)' },
   { id: 'hysteresis', title: 'Dynamic factor, run up and run down', table: 'hysteresis', x: 'rpm', y: 'dynamic_factor', first: 'direction', needs: { hysteresis_changes: null }, jumps: 'hysteresis_changes' },
@@ -59,9 +68,10 @@ export const PICTURES = [
   { id: 'transient_peaks', title: 'Largest root stress over speed', table: 'transient_peaks', task: 'transient', x: 'rpm', y: ['tension_mpa', 'static_tension_mpa', 'compression_mpa', 'static_compression_mpa'], yname: 'Largest root stress (MPa)' },
   { id: 'frequency', title: 'Root stress over the frequency of the load', table: 'harmonic', x: 'frequency_hz', y: 'stress_mpa', ylog: true, first: 'side' },
   { id: 'campbell', title: 'Where mesh harmonics meet natural frequencies', table: 'campbell', task: 'harmonic', kind: 'campbell', x: 'rpm', y: 'frequency_hz', order: 'harmonic' },
-  { id: 'branches', title: 'Branches of periodic motions', table: 'branch_points', task: 'branches', kind: 'branches', x: PARAMETERS, y: 'dynamic_factor', also: ['mesh_periods', 'stability'] },
-  { id: 'life', title: 'Stress amplitudes beside the S-N curve', table: 'life_parts', task: 'life', kind: 'points', x: 'engagements', y: 'equivalent_amplitude_mpa', yname: 'Stress amplitude (MPa)', xname: 'Cycles, of one pass and to failure', xlog: true, ylog: true, first: 'member', without: ['part'],
-    needs: { life_curve: ['failure_cycles', 'amplitude_mpa'] }, beside: { table: 'life_curve', x: 'failure_cycles', y: 'amplitude_mpa', label: 'S-N curve' } },
+  { id: 'branches', title: 'Branches of periodic motions', table: 'branch_points', task: 'branches', kind: 'branches', x: PARAMETERS, y: 'dte_rms_um', yname: 'DTE, rms (µm)', ylog: 'wide', also: ['mesh_periods', 'stability', 'dynamic_factor'] },
+  { id: 'branches_factor', title: 'Branches of periodic motions: dynamic factor', table: 'branch_points', task: 'branches', kind: 'branches', x: PARAMETERS, y: 'dynamic_factor', ylog: 'wide', also: ['mesh_periods', 'stability'] },
+  { id: 'life', title: 'Stress amplitudes beside the S-N curve', table: 'life_parts', task: 'life', kind: 'points', x: 'engagements', y: 'equivalent_amplitude_mpa', yname: 'Amplitude of the root stress (MPa)', xname: 'Load cycles: of one pass, and to failure', xlog: true, ylog: true, first: 'gear', without: ['part'],
+    needs: { life_curve: ['failure_cycles', 'stress_mpa', 'gear', 'curve'] }, beside: { table: 'life_curve', x: 'failure_cycles', y: 'stress_mpa', label: 'S-N curve' } },
   { id: 'body_campbell', title: 'Speeds at which the mesh excites the modes of the whole gear', table: 'body_campbell', task: 'body_modes', kind: 'campbell', x: 'rpm', y: 'frequency_hz', order: 'per_turn', also: ['harmonic', 'nodal_diameter'],
     needs: { gear_body: ['sectors'], body_modes: ['mode_name'] } },
   { id: 'as_built', title: 'Dynamic factor over speed, as built and nominal', table: 'as_built', x: 'rpm', y: ['dynamic_factor', 'nominal_factor'], yname: 'Dynamic factor', names: ['as built', 'nominal'], first: 'relief_um', ...SPEED },
@@ -85,7 +95,7 @@ export const isBody = (picture) => BODIES.includes(picture.kind);
 /** Has a study what this picture shows? Some columns are there only where a key asks for them. */
 export function isThere(picture, about) {
   const names = about[picture.table]?.columns.map((one) => one.name);
-  return Boolean(names) && (isBody(picture) || list(picture.y).every((name) => names.includes(name)));
+  return Boolean(names) && (isBody(picture) || [...list(picture.y), ...list(picture.z ?? [])].every((name) => names.includes(name)));
 }
 
 /** The columns of each table that a picture is drawn from. */
@@ -93,7 +103,7 @@ export function columnsOf(picture, about) {
   const table = about[picture.table];
   if (!table || isBody(picture)) return {};
   const index = table.columns.filter((one) => one.index).map((one) => one.name);
-  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? []), ...list(picture.also ?? []), ...list(picture.other ?? []), ...list(picture.share ?? []), ...list(picture.order ?? [])]);
+  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? []), ...list(picture.also ?? []), ...list(picture.other ?? []), ...list(picture.seen ?? []), ...list(picture.share ?? []), ...list(picture.order ?? []), ...list(picture.bound ?? [])]);
   const there = table.columns.map((one) => one.name);
   const found = { [picture.table]: [...wanted].filter((name) => there.includes(name)) };
   for (const [name, columns] of Object.entries(picture.needs ?? {})) if (about[name]) found[name] = columns;
@@ -109,7 +119,7 @@ export function families(picture, about, columns) {
   return found.sort((a, b) => (b.name === picture.first) - (a.name === picture.first));
 }
 
-const word = (column, value) => `${title(column.name, column.unit)} ${shown(value)}${column.unit ? ' ' + unit(column.unit) : ''}`;
+const word = (column, value) => `${column.name === 'gear' ? '' : `${title(column.name, column.unit)} `}${shown(value)}${column.unit ? ' ' + unit(column.unit) : ''}`;
 
 /** The rows that hold these values of index columns. */
 function rowsWhere(columns, where) {
@@ -130,10 +140,18 @@ function picked(families, columns, chosen) {
   return { where, further };
 }
 
+/** Of many values, ascending, those nearest to a few equal steps, and the best one. */
+function few(values, most, best) {
+  const low = values[0], step = (values[values.length - 1] - low) / (most - 1);
+  const wanted = [...Array.from({ length: most }, (_, i) => low + i * step), ...(Number.isFinite(best) ? [best] : [])];
+  const kept = new Set(wanted.map((one) => values.reduce((a, b) => (Math.abs(b - one) < Math.abs(a - one) ? b : a))));
+  return values.filter((value) => kept.has(value));
+}
+
 function marked(picture, data) {
   if (picture.marks === 'points' && data.contact_points) return data.contact_points.s.map((x, i) => ({ x, name: data.contact_points.point[i] }));
   if (picture.marks === 'resonance' && data.motion) return [{ x: data.motion.resonance_rpm[0], name: 'linear resonance' }];
-  if (picture.marks === 'optimum' && data.optimum) return [{ x: data.optimum.relief_um[0], name: `optimum ${shown(data.optimum.relief_um[0], 4)} µm` }];
+  if (picture.marks === 'optimum' && data.optimum?.judged[0] === picture.set[2]) return [{ x: data.optimum.relief_um[0], name: `optimum ${shown(data.optimum.relief_um[0], 4)} µm` }];
   return [];
 }
 
@@ -143,7 +161,9 @@ export function drawn(picture, about, data, chosen) {
   const column = (name) => table.columns.find((one) => one.name === name);
   const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog === 'wide' ? isWide(columns[picture.y]) : picture.ylog, fromZero: picture.fromZero,
     xlabel: picture.xname ?? labelled(column(list(picture.x)[0])), ylabel: picture.yname ?? labelled(column(list(picture.y)[0])) };
-  if (picture.kind === 'branches') return { ...spec, xlabel: labelled(column(parameterOf(columns))), kind: undefined, series: branches(columns), lines: [], families: [] };
+  // Where the search stopped early, a value is a lower bound only.
+  const isBound = (i) => columns[picture.bound]?.[i] === 1;
+  if (picture.kind === 'branches') return { ...spec, xlabel: labelled(column(parameterOf(columns))), kind: undefined, series: branches(columns, picture.y), lines: [], families: [] };
   if (picture.kind === 'campbell') return { ...spec, ...campbell(picture, columns, data), kind: undefined, families: [] };
   if (picture.kind === 'ranking') {
     const { where, further } = picked(families(picture, about, data), columns, chosen);
@@ -153,21 +173,23 @@ export function drawn(picture, about, data, chosen) {
     const { where, further } = picked(families(picture, about, data), columns, chosen);
     const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);
     const z = ys.map(() => xs.map(() => null));
-    for (const i of rowsWhere(columns, where)) z[ys.indexOf(columns[picture.y][i])][xs.indexOf(columns[picture.x][i])] = columns[picture.z][i];
+    for (const i of rowsWhere(columns, where)) z[ys.indexOf(columns[picture.y][i])][xs.indexOf(columns[picture.x][i])] = isBound(i) ? null : columns[picture.z][i];
     return { ...spec, map: { xs, ys, z, label: labelled(column(picture.z)), low: picture.low, high: picture.high, isLog: picture.zlog }, series: [], families: further };
   }
   let [first, ...further] = picture.group ? [{ ...column(picture.group), values: [...new Set(columns[picture.group])].sort((a, b) => a - b) }] : families(picture, about, data);
   const found = picked(further, columns, chosen), where = found.where;
   further = found.further;
   if (first) first = { ...first, values: first.values.filter((value) => rowsWhere(columns, { ...where, [first.name]: value }).length > 0) };
-  const groups = first ? first.values.map((value) => ({ label: word(first, value), where: { ...where, [first.name]: value } })) : [{ label: '', where }];
+  const best = data.optimum?.relief_um[0];
+  if (first && picture.few) first.values = few(first.values, picture.few, best);
+  const groups = first ? first.values.map((value) => ({ label: `${word(first, value)}${picture.few && value === best ? ' (best)' : ''}`, where: { ...where, [first.name]: value } })) : [{ label: '', where }];
   const ys = [...list(picture.y), ...others(picture, columns)], xs = list(picture.x);
   let series = [];
   groups.forEach((group, g) => {
     const rows = rowsWhere(columns, group.where).filter((i) => picture.above === undefined || columns[picture.x][i] > picture.above);
     for (const yname of ys) for (const xname of xs) {
       const more = yname === picture.other ? picture.othername : ys.length > 1 && !picture.other ? picture.names?.[ys.indexOf(yname)] ?? title(yname, column(yname).unit) : '';
-      series.push({ x: rows.map((i) => columns[xname][i]), y: rows.map((i) => (yname === picture.other && columns[yname][i] === columns[picture.y][i] ? null : columns[yname][i])), reached: rows.map((i) => columns[picture.share]?.[i] !== 0), notes: picture.share ? rows.map((i) => `${shown(100 * columns[picture.share][i], 3)} % of the starts`) : undefined, group: g, part: ys.indexOf(yname) + xs.indexOf(xname),
+      series.push({ x: rows.map((i) => columns[xname][i]), y: rows.map((i) => (isBound(i) || (yname === picture.other && columns[yname][i] === columns[picture.y][i]) ? null : columns[yname][i])), reached: rows.map((i) => columns[picture.share]?.[i] !== 0), notes: picture.share ? rows.map((i) => `${shown(100 * columns[picture.share][i], 3)} % of the starts`) : undefined, group: g, part: ys.indexOf(yname) + xs.indexOf(xname),
         label: xname === xs[0] ? [group.label, more].filter(Boolean).join(', ') : '' });
     }
   });
@@ -177,9 +199,20 @@ export function drawn(picture, about, data, chosen) {
   if (spec.kind === 'points') series.forEach((one, i) => { one.mark = i; });
   if (picture.share) series = series.flatMap(apart);
   if (picture.other) series = series.filter((one) => one.part === 0 || one.y.some((value) => value !== null));
+  if (columns[picture.seen]) series.push(...seen(picture, columns, groups, n));
   if (picture.beside) series.unshift(lineOf(picture.beside, data));
   const arrows = picture.jumps && first ? series.flatMap((one) => jumps(one, data[picture.jumps], { ...where, [first.name]: first.values[one.group] })) : [];
   return { ...spec, series, arrows, lines: marked(picture, data), families: further };
+}
+
+/** What was seen of motions that do not repeat, hollow and not joined, in the colour of each group. */
+function seen(picture, columns, groups, n) {
+  const found = groups.map((group, g) => {
+    const rows = rowsWhere(columns, group.where).filter((i) => columns[picture.seen][i] !== null);
+    return { ...style(g, n), x: rows.map((i) => columns[picture.x][i]), y: rows.map((i) => columns[picture.seen][i]), kind: 'points', hollow: true, mark: 1, group: g,
+      label: [group.label, 'seen, at least'].filter(Boolean).join(', ') };
+  });
+  return found.filter((one) => one.x.length > 0);
 }
 
 /** A second column, where it differs from the first somewhere. */
@@ -237,13 +270,17 @@ function campbell({ order }, columns, data) {
 /** Dashes of the columns of one picture. */
 const PARTS = ['', '2 3', '8 3', '8 3 2 3'];
 
-/** A curve of another table among points. */
-const lineOf = ({ table, x, y, label }, data) => ({ x: data[table][x], y: data[table][y], label, kind: 'line', color: color('ink'), dash: '' });
+/** The S-N curve among points: of pinion and gear where these differ, with a gap between them. */
+function lineOf({ table, x, y, label }, data) {
+  const { gear, curve, [x]: cycles, [y]: stress } = data[table], rows = cycles.flatMap((_, i) => (i > 0 && gear[i] !== gear[i - 1] ? [-1, i] : [i]));
+  const at = (values) => rows.map((i) => (i < 0 ? null : values[i]));
+  return { x: at(cycles), y: at(stress), label: `${label} (${[...new Set(curve)].join(', ')})`, kind: 'line', color: color('ink'), dash: '' };
+}
 
 const parameterOf = (columns) => PARAMETERS.find((name) => name in columns);
 
 /** Of each branch what attracts, solid, and what repels, dashed, in a colour for the mesh periods after which it repeats. */
-function branches(columns) {
+function branches(columns, yname) {
   const x = columns[parameterOf(columns)], found = [], told = new Set();
   const periods = [...new Set(columns.mesh_periods)].sort((a, b) => a - b);
   for (const branch of new Set(columns.branch)) {
@@ -252,7 +289,7 @@ function branches(columns) {
     for (const repels of [false, true]) {
       const is = (i) => (columns.stability[i] === 'unstable') === repels;
       // A piece goes on to the point where the other begins.
-      const y = rows.map((i, k) => (is(i) || (k > 0 && is(rows[k - 1])) ? columns.dynamic_factor[i] : null));
+      const y = rows.map((i, k) => (is(i) || (k > 0 && is(rows[k - 1])) ? columns[yname][i] : null));
       if (!rows.some(is)) continue;
       const label = `${of === 1 ? 'repeats with the mesh' : `after ${of} periods`}${repels ? ', repels' : ''}`;
       found.push({ ...style(periods.indexOf(of), periods.length), x: rows.map((i) => x[i]), y, label: told.has(label) ? '' : label, dash: repels ? '4 3' : '' });

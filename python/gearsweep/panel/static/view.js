@@ -92,7 +92,7 @@ export function refresh(isSliding = false) {
 
 /** The numbers that the server picked of each task; each leads to the picture that shows it. */
 function numbers() {
-  byId('numbers').replaceChildren(...(state.study?.headlines ?? []).map((one) => el('div', {}, el('dt', {}, one.name), el('dd', {},
+  byId('numbers').replaceChildren(...(state.study?.headlines ?? []).map((one) => el('div', { className: one.more.length > 60 ? 'long' : '' }, el('dt', {}, one.name), el('dd', {},
     el('button', { type: 'button', title: byName(one.picture)?.title ?? '', onclick: () => lookAt(one.picture) }, el('b', {}, one.value)), el('small', {}, one.more)))));
 }
 
@@ -101,7 +101,7 @@ function numbers() {
 const taskOf = (one) => one.task ?? about.tasks.find((task) => task.tables.includes(one.table))?.name;
 
 /** What these results lack for a picture, in words. */
-const askOf = (one, there) => (one.table in there ? `&${one.set[0]} ${one.set[1]} = ${isNaN(one.set[2]) ? `'${one.set[2]}'` : one.set[2]}` : `task ${taskOf(one)}`);
+const askOf = (one, there) => (one.table in there ? `&${one.set[0]} ${one.set[1]} = ${/^[a-z]/.test(one.set[2]) ? `'${one.set[2]}'` : one.set[2]}` : `task ${taskOf(one)}`);
 
 function picker(there) {
   const options = PICTURES.map((one) => el('option', { value: one.id }, isThere(one, there) ? one.title : `${one.title} (${askOf(one, there)})`));
@@ -200,7 +200,8 @@ function show(place, bar, spec, one) {
   }
   bar.append(el('span', { className: 'gap' }), el('button', { type: 'button', onclick: () => save('svg', drawing, name(one)) }, 'SVG'), el('button', { type: 'button', onclick: () => save('png', drawing, name(one)) }, 'PNG'));
   const readout = el('p', { className: 'readout', role: 'status', 'aria-live': 'polite' }, `${spec.below ?? ''} Point at a curve, or walk along it by the arrow keys.`.trim());
-  place.replaceChildren(bar, legend(spec), drawing, readout);
+  // On paper there is no list to read the picture's name from.
+  place.replaceChildren(bar, el('p', { className: 'printed' }, spec.title), legend(spec), drawing, readout);
   place.dataset.picture = one.id;
   follow(drawing, readout);
 }
@@ -270,7 +271,7 @@ function answerTab() {
 function textTab() {
   const area = el('textarea', { id: 'text', spellcheck: false, 'aria-label': 'The case as text', value: state.text });
   const take = () => does.show(area.value, state.place, state.name).catch(does.told);
-  const unused = state.unused.length ? el('p', { className: 'note' }, `Given, but not used: ${state.unused.join('; ')}.`) : null;
+  const unused = state.unused.length ? el('p', { className: 'note' }, `Set, but not used: ${state.unused.join('; ')}.`) : null;
   return el('div', {}, el('div', { className: 'bar' }, el('button', { type: 'button', onclick: take }, 'Take this text'), el('button', { type: 'button', onclick: () => download(`${state.name}.nml`, area.value) }, 'Save')),
     el('p', { className: 'hint shown' }, 'The same text as everywhere: for the program, Python and Fortran.'), unused, area);
 }

@@ -1,0 +1,190 @@
+"""The program's tables: every number of the screen stands in one of them, and doc/tables.md tells of each column."""
+
+import csv
+import math
+import re
+
+import pytest
+from conftest import GEARED, PARTIAL, PRESCRIBED, ROOT
+
+from gearsweep.core import library
+
+DATA = sorted(path.stem for path in (ROOT / 'data').glob('*.nml'))
+WRITTEN = {'geared': GEARED, 'prescribed': PRESCRIBED, 'partial': PARTIAL}
+# Where the numbers below a line that begins so must be found, up to the next such line.
+PLACES = {
+    'Pair': 'gears geometry',
+    'Diameters': 'gears',
+    'Path of contact': 'geometry contact_points gears',
+    'Tip relief': 'deflection_relief',
+    'Gears as built': 'as_built_summary as_built_worst',
+    'Tip': 'gears geometry',
+    'Undercut': 'gears geometry',
+    'Tooth thickness': 'gears',
+    'Stiffness': 'motion',
+    'Natural frequencies of the section': 'modal mode_energy section',
+    'Root stress of the': 'root_stress root_rating',
+    'Static transmission error': 'transmission_error harmonics',
+    'Dynamic factor at chosen speeds': 'load_points',
+    'Transmitted torque': 'torque_points',
+    'Dynamic factor over': 'sweep_summary sweep sweep_worst resonances',
+    'Best of the list': 'sweep_summary',
+    'Points': 'sweep_summary stability',
+    'Stability with': 'stability tongues tongue_edges',
+    'Slow run': 'hysteresis hysteresis_changes',
+    'Changes': 'hysteresis hysteresis_changes',
+    'Motion seen once': 'poincare lyapunov',
+    'Attracting motions': 'attractors attractor_points',
+    'Several motions': 'attractors attractor_points',
+    'Best single amount': 'optimum optimum_curve optimum_loads',
+    'Best design': 'optimum_design optimum_loads',
+    'Branches of periodic motions': 'branches branch_changes',
+    'By how many per cent the dynamic factor': 'sensitivity',
+    'Precision at': 'precision precision_finest',
+    'Flanks': 'flank_losses',
+    'Rating by': 'rating dynamic_factors rating_factors',
+    'Root stress while': 'transient_peaks',
+    'Resonances of the section': 'section_resonances',
+    'Life of the tooth roots': 'life life_curve contact_curve',
+    'Natural modes of the': 'body_modes gear_body',
+    'Printed values and ours': 'published',
+}
+# Digits that are part of words.
+WORDS = ('ISO 6336-1', 'n_E1', 'ISO 6336-2 and -3', 'ISO 6336-3', '95 %', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '9 starts each', '1e-2     1e-4     1e-6',
+         'passed 1e4 static ones')
+NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*[A-Za-z_])')
+
+
+@pytest.fixture(scope='module', params=[*DATA, *WRITTEN])
+def run(request, program, tmp_path_factory):
+    """The lines of a case's screen, and its tables: what their header tells of each column, and the columns."""
+    folder = tmp_path_factory.mktemp(request.param)
+    path = ROOT / 'data' / f'{request.param}.nml'
+    if request.param in WRITTEN:
+        path = folder / 'case.nml'
+        path.write_text(WRITTEN[request.param])
+    done = program(path, '--out', folder / 'out', cwd=folder)
+    assert done.returncode in (0, 4), done.stderr
+    title = re.search(r"title = '(.*)'", path.read_text())
+    lines = [line for line in done.stdout.splitlines()[1:] if not title or line != title[1]]
+    return lines, {path.name.split('.')[-2]: read(path) for path in (folder / 'out').glob('*.csv')}
+
+
+def read(path):
+    lines = path.read_text().splitlines()
+    told = {}
+    for line in lines[lines.index('# columns:') + 1 : lines.index('# case:')]:
+        name, unit, meaning = re.fullmatch(r'#   (\w+)(?: \((.+?)\))?: (.+)', line).groups()
+        told[name] = (unit or '', meaning)
+    rows = list(csv.reader(line for line in lines if not line.startswith('#')))
+    assert list(told) == rows[0]
+    return told, dict(zip(rows[0], zip(*rows[1:]) if rows[1:] else [()] * len(rows[0]), strict=True))
+
+
+def is_in(number, tables):
+    """Does one of these tables have the number, to its digits? A value in parts of one may be shown in per cent, the
+    amount of a pressure may have lost its sign, and a count may be that of rows or of different values."""
+    digits = number.lower().partition('e')
+    step = 10.0 ** (int(digits[2] or 0) - len(digits[0].partition('.')[2]))
+    shown = float(number)
+    for _, columns in tables:
+        for name, values in columns.items():
+            counts = [len(values), len(set(values))]
+            if name == 'floquet_modulus':
+                counts.append(sum(as_number(value) > 1 for value in values))  # unstable points
+            if number.isdigit() and shown in counts:
+                return True
+            for value in values:
+                for factor in (1, 100) if re.search('share|estimate|deviation|within_class', name) else (1,):
+                    near = factor * as_number(value)
+                    if abs(near - shown) <= 0.5000001 * step or (number.isdigit() and is_round(near, shown)):
+                        return True
+    return False
+
+
+def as_number(word):
+    try:
+        return float(word)
+    except ValueError:
+        return math.nan
+
+
+def is_round(value, shown):
+    """A whole number may be one of few digits, with zeros in their place: 44600 of 44597."""
+    zeros = len(str(int(shown))) - len(str(int(shown)).rstrip('0'))
+    return abs(value - shown) <= 0.5000001 * 10**zeros and math.log10(max(shown, 1)) - zeros >= 1
+
+
+def test_every_number_of_the_screen_is_in_a_table(run):
+    lines, tables = run
+    place, looked_for = None, 0
+    for line in lines:
+        if line.startswith(('Time', 'Wrote', 'Not used')):
+            break
+        place = next((PLACES[begin] for begin in PLACES if line.startswith(begin)), place)
+        assert place or not line.strip()
+        # The names and places of published quantities have digits of their own, as have the reasons under them, which are the table's.
+        if place == 'published' and line.startswith('      '):
+            said = line.strip().rstrip('.')
+            assert any(said[1:] in reason for reason in tables['published'][1]['reason']), line
+            continue
+        shown = line[43:] if place == 'published' else line
+        if place and place.startswith('precision ') and (time := re.search(r' +(\d+) (us|ms|s)$', line)):
+            seconds = int(time[1]) * {'us': 1e-6, 'ms': 1e-3, 's': 1}[time[2]]
+            assert any(f'{float(one):.0e}' == f'{seconds:.0e}' for one in tables['precision'][1]['run_time_s']), line
+            shown = line[: time.start()]
+        for words in WORDS:
+            shown = shown.replace(words, '')
+        for number in NUMBER.findall(shown.replace('+/-', ' ').replace('/', ' / ')):
+            looked_for += 1
+            assert is_in(number, [tables[name] for name in place.split() if name in tables]), f'{number}: {line}'
+    assert looked_for > 10
+
+
+def test_the_page_tells_of_every_column(run):
+    page = (ROOT / 'doc/tables.md').read_text()
+    shared = meanings_in(page.split('## Columns of many tables')[1].split('\n## ')[0])
+    for name, (told, _) in run[1].items():
+        section = re.search(rf'^\*\*{name}\*\*.*?(?=^\*\*|^## )', page, re.MULTILINE | re.DOTALL)
+        assert section, f'doc/tables.md lacks the table {name}'
+        written = meanings_in(section[0]) | {column: shared[column] for column in also_in(section[0])}
+        for column, (_, meaning) in told.items():
+            assert written.get(column) == meaning, f'doc/tables.md: {name}'
+
+
+def meanings_in(text):
+    """By column, the meanings that a part of doc/tables.md lists."""
+    return dict(re.findall(r'^- `(\w+)`: (.*)$', text, re.MULTILINE))
+
+
+def also_in(text):
+    """The columns of many tables that a table has too."""
+    found = re.search(r'^Also: ([^.]*)\.$', text, re.MULTILINE)
+    return re.findall(r'\w+', found[1]) if found else []
+
+
+def test_tables_without_an_error_estimate_are_listed():
+    """A table has a column with one, or is in the list of doc/accuracy.md."""
+    sections = re.findall(r'^\*\*(\w+)\*\*(.*?)(?=^\*\*\w+\*\*|^## )', (ROOT / 'doc/tables.md').read_text(), re.MULTILINE | re.DOTALL)
+    columns = {name: [*meanings_in(text), *also_in(text)] for name, text in sections}
+    declared = {table for task in library.declared()['tasks'] for table in task['tables']}
+    assert set(columns) == declared - {'nodes', 'elements', 'mode_shapes', 'stress'} | {'motion', 'published'}  # without grids
+    without = {name for name, names in columns.items() if not any(re.search(r'estimate|(^|_)error(_nm)?$', column) for column in names)}
+    listed = (ROOT / 'doc/accuracy.md').read_text().partition('<!-- tables without an error estimate -->')[2]
+    cells = re.findall(r'^\| (`\w+`(?:, `\w+`)*) \|', listed, re.MULTILINE)
+    named = [name for cell in cells for name in re.findall(r'\w+', cell)]
+    assert len(named) == len(set(named)) and set(named) == without
+
+
+def test_every_task_has_its_places():
+    """The lists that are kept by hand have every task that the library declares."""
+    readme = (ROOT / 'README.md').read_text()
+    rows = dict(re.findall(r'^\| `(\w+)` \| .*? \| (.*) \|$', (ROOT / 'doc/case.md').read_text().split('## Keys')[0], re.MULTILINE))
+    places = ' '.join(PLACES.values()).split()
+    for task in library.declared()['tasks']:
+        name = task['name']
+        assert f'`{name}`' in readme, f'add `{name}` to the list of tasks in README.md'
+        assert name in rows, f'add a row for `{name}` to the table of tasks in doc/case.md'
+        for table in set(task['tables']) - {'nodes', 'elements'}:  # which the row has as its grid
+            assert f'`{table}`' in rows[name], f'add the table `{table}` to the row of `{name}` among the tasks of doc/case.md'
+        assert set(task['tables']) & set(places), f'add how the lines of `{name}` begin on the screen to PLACES in {__file__}'

@@ -1,0 +1,160 @@
+!> Handles: a study that a caller of another language owns, its number for the caller (its address), and its results by name.
+module gearsweep_api_kept
+  use, intrinsic :: iso_c_binding, only: c_f_pointer, c_ptr
+  use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_base, only: closest_word, code_input, column_t, error_t, fail, join, kind_real, kind_text, lines_t, shown, str, &
+    table_t
+  use gearsweep_study, only: study_t
+  implicit none
+  private
+  public :: kept_t, take, release, find_table, find_column, fail_name, list_tables
+
+  !> A kept study with its tables. It does not change once it is built, so that any number of threads may read it.
+  type :: kept_t
+    type(study_t) :: study
+    logical :: is_of_rows = .false.  !< true if its tables are the results of rows of values; the study is that of one row
+    type(table_t), allocatable :: tables(:)      !< tables of its results; tables without result are absent
+  end type kept_t
+
+  integer, parameter :: longest_name = 63
+  character(*), parameter :: kind_names(kind_real:kind_text) = [character(7) :: 'real', 'integer', 'text']
+
+contains
+
+  !> Returns the study with this number; none for 0.
+  subroutine take(study, kept, error)
+    integer(int64), intent(in) :: study
+    type(kept_t), pointer, intent(out) :: kept
+    type(error_t), allocatable, intent(inout) :: error
+    type(c_ptr) :: address
+
+    nullify (kept)
+    if (study == 0) call fail(error, code_input, 'study: is 0, which is none; a run makes one, and it is 0 again once freed')
+    if (allocated(error)) return
+    address = transfer(study, address)
+    call c_f_pointer(address, kept)
+  end subroutine take
+
+  !> Frees a study and sets its number to 0; does nothing for 0.
+  subroutine release(study)
+    integer(int64), intent(inout) :: study
+    type(kept_t), pointer :: kept
+    type(error_t), allocatable :: none
+
+    call take(study, kept, none)
+    if (associated(kept)) deallocate (kept)
+    study = 0
+  end subroutine release
+
+  !> Finds the table with this name; the error names the closest one, or all.
+  subroutine find_table(kept, name, table, error)
+    type(kept_t), pointer, intent(in) :: kept
+    character(*), intent(in) :: name
+    type(table_t), pointer, intent(out) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    character(longest_name), allocatable :: names(:)
+    integer :: i, n
+
+    nullify (table)
+    if (allocated(error)) return
+    n = 0
+    allocate (names(size(kept%tables)))
+    do i = 1, size(kept%tables)
+      if (.not. kept%tables(i)%is_there()) cycle
+      n = n + 1
+      names(n) = kept%tables(i)%name
+      if (names(n) == name) table => kept%tables(i)
+    end do
+    if (.not. associated(table)) call fail_name('table', trim(name), names(:n), error)
+  end subroutine find_table
+
+  !> Finds the column with this name.
+  subroutine find_column(table, name, column, error)
+    type(table_t), pointer, intent(in) :: table
+    character(*), intent(in) :: name
+    type(column_t), pointer, intent(out) :: column
+    type(error_t), allocatable, intent(inout) :: error
+    character(longest_name), allocatable :: names(:)
+    integer :: i
+
+    nullify (column)
+    if (allocated(error)) return
+    allocate (names(size(table%columns)))
+    do i = 1, size(names)
+      names(i) = table%columns(i)%name
+      if (names(i) == name) column => table%columns(i)
+    end do
+    if (.not. associated(column)) call fail_name('column of '//table%name, trim(name), names, error)
+  end subroutine find_column
+
+  !> Fails with the unknown name, and a suggestion: the closest of the words, or all of them.
+  subroutine fail_name(what, name, words, error)
+    character(*), intent(in) :: what, name, words(:)
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: best
+
+    best = closest_word(name, words)
+    if (best > 0) then
+      call fail(error, code_input, what//' = '//shown(name)//': unknown (did you mean '//trim(words(best))//'?)')
+    else if (size(words) == 0) then
+      call fail(error, code_input, what//' = '//shown(name)//': unknown; there is none')
+    else
+      call fail(error, code_input, what//' = '//shown(name)//': unknown; there is '//join(words, ', '))
+    end if
+  end subroutine fail_name
+
+  !> Lists the tables in JSON, without their values; a line for each table and each column.
+  pure subroutine list_tables(tables, words)
+    type(table_t), intent(in) :: tables(:)
+    character(:), allocatable, intent(out) :: words
+    type(lines_t) :: lines
+    character(:), allocatable :: mark
+    integer :: i, k
+
+    mark = '['
+    do i = 1, size(tables)
+      if (.not. tables(i)%is_there()) cycle
+      associate (table => tables(i))
+        call lines%add(mark)
+        call put_text('{"name": ', table%name, lines)
+        call put_text(', "meaning": ', table%meaning, lines)
+        call put_text(', "grid": ', table%grid, lines)
+        call lines%put(', "rows": '//str(table%rows)//', "extent": ')
+        if (.not. allocated(table%extent)) call lines%put('null')
+        if (allocated(table%extent)) then
+          do k = 1, size(table%extent)
+            call lines%put(merge('[ ', ', ', k == 1)//str(table%extent(k)))
+          end do
+          call lines%put(']')
+        end if
+        do k = 1, size(table%columns)
+          if (k == 1) call lines%add(', "columns": [')
+          if (k > 1) call lines%add(',')
+          call put_column(table%columns(k), lines)
+        end do
+        mark = ']},'
+      end associate
+    end do
+    call lines%add(merge(']}]', '[] ', mark /= '['))
+    words = lines%text()
+  end subroutine list_tables
+
+  pure subroutine put_column(column, lines)
+    type(column_t), intent(in) :: column
+    type(lines_t), intent(inout) :: lines
+
+    call put_text('  {"name": ', column%name, lines)
+    call put_text(', "unit": ', column%unit, lines)
+    call put_text(', "meaning": ', column%meaning, lines)
+    call put_text(', "kind": ', trim(kind_names(column%kind)), lines)
+    call lines%put(', "index": '//str(column%is_index)//', "reproducible": '//str(column%is_reproducible)//'}')
+  end subroutine put_column
+
+  pure subroutine put_text(name, words, lines)
+    character(*), intent(in) :: name, words
+    type(lines_t), intent(inout) :: lines
+
+    call lines%put(name)
+    call lines%json_text(words)
+  end subroutine put_text
+end module gearsweep_api_kept

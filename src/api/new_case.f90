@@ -1,0 +1,130 @@
+!> Template of a case: every key of the requested tasks, with its default and its meaning.
+module gearsweep_api_new_case
+  use gearsweep_base, only: closest_word, code_input, error_t, fail, join, lines_t, shown
+  use gearsweep_study, only: key_t, keys_t, task_length
+  use gearsweep_api_case_reader, only: list_keys
+  use gearsweep_api_tasks, only: find_former_task, list_task_names
+  implicit none
+  private
+  public :: write_new_case
+
+contains
+
+  !> Writes the text for these tasks. It runs once the keys marked REQUIRED have a value. Keys that are only used with another value
+  !> of a key are commented out by `!`, with that condition. With `--short` among the tasks the text has only the required and the
+  !> common keys.
+  subroutine write_new_case(words, text, error)
+    character(*), intent(in) :: words(:)
+    character(:), allocatable, intent(out) :: text
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: option = '--short'
+    character(len(words)), allocatable :: tasks(:)
+    type(keys_t) :: keys
+    type(lines_t) :: lines
+    character(:), allocatable :: wanted
+    logical :: opened, is_short
+    integer :: i, k
+
+    is_short = any(words == option)
+    tasks = pack(words, words /= option)
+    call check_tasks(tasks, error)
+    if (allocated(error)) return
+    call list_keys(tasks, keys)
+    wanted = ' '//join(tasks, ' ')//' '
+    call lines%add('! A case for gearsweep. Each key has its default and its meaning beside it; keys marked REQUIRED have no')
+    call lines%add('! default. What stands behind a ! is not read: remove the ! to use it. gearsweep --help KEY tells more.')
+    if (is_short) call lines%add('! Without --short there is every key of these tasks.')
+    do i = 1, size(keys%groups)
+      opened = .false.
+      do k = 1, keys%known
+        if (keys%key(k)%group /= keys%groups(i)%name .or. .not. keys%key(k)%is_for(wanted)) cycle
+        if (is_short .and. .not. is_common(keys%key(k))) cycle
+        if (.not. opened) call lines%add('')
+        if (.not. opened) call lines%add('&'//trim(keys%groups(i)%name)//'   ! '//keys%groups(i)%meaning)
+        opened = .true.
+        call add_key(keys%key(k), tasks, lines)
+      end do
+      if (opened) call lines%add('/')
+    end do
+    text = lines%text()
+  end subroutine write_new_case
+
+  !> True for a key that most cases state.
+  pure logical function is_common(key)
+    type(key_t), intent(in) :: key
+    character(*), parameter :: common(*) = [character(24) :: 'case title', 'case tasks', 'pinion profile_shift', &
+      'gear profile_shift', 'pinion bore_mm', 'gear bore_mm', 'relief amount_um', 'dynamics damping_ratio', 'rating material', &
+      'rating accuracy_grade', 'rating face_load_factor', 'load application_factor']
+
+    is_common = any(common == trim(key%group)//' '//key%name)
+    if (len(key%refused) == 0) is_common = is_common .or. key%is_required .or. key%is_one_of
+  end function is_common
+
+  subroutine add_key(key, tasks, lines)
+    type(key_t), intent(in) :: key
+    character(*), intent(in) :: tasks(:)
+    type(lines_t), intent(inout) :: lines
+    character(:), allocatable :: line, remark, allowed, why
+
+    why = key%refused
+    if (len(why) == 0) why = key%lacks
+    line = '  '
+    if (len(why) > 0) line = '  ! '
+    line = line//trim(key%name)//' ='
+    if (key%name == 'tasks') then
+      line = line//' '''//join(tasks, ''', ''')//''''
+    else if (allocated(key%default) .and. len(key%otherwise) == 0 .and. .not. key%is_required) then
+      line = line//' '//key%default
+    end if
+    call key%list_allowed(allowed)
+    remark = ''
+    if (key%is_required .and. len(why) == 0) remark = 'REQUIRED. '
+    if (key%is_one_of) remark = 'REQUIRED: one of these. '
+    remark = remark//key%meaning//' ('
+    if (len(key%unit) > 0) remark = remark//key%unit//', '
+    remark = remark//allowed
+    if (len(key%otherwise) > 0) remark = remark//'; default: '//key%otherwise
+    if (len(key%refused) > 0) remark = remark//'; '//why
+    if (len(key%refused) == 0 .and. len(key%lacks) > 0) remark = remark//'; for '//why
+    call add_remark(line, remark//')', lines)
+  end subroutine add_key
+
+  !> Adds a line with a comment after it, which continues on the next lines.
+  subroutine add_remark(line, remark, lines)
+    character(*), intent(in) :: line, remark
+    type(lines_t), intent(inout) :: lines
+    integer, parameter :: beside = 34, wide = 86
+    character(:), allocatable :: rest
+    integer :: at
+
+    call lines%put(line//repeat(' ', max(0, beside - len(line))))
+    rest = remark
+    do while (len(rest) > wide)
+      at = index(rest(:wide), ' ', back=.true.)
+      call lines%add(' ! '//rest(:at - 1))
+      call lines%put(repeat(' ', beside))
+      rest = '  '//rest(at + 1:)
+    end do
+    call lines%add(' ! '//rest)
+  end subroutine add_remark
+
+  subroutine check_tasks(tasks, error)
+    character(*), intent(in) :: tasks(:)
+    type(error_t), allocatable, intent(inout) :: error
+    character(task_length), allocatable :: names(:)
+    character(:), allocatable :: now
+    integer :: i, closest
+
+    call list_task_names(names)
+    if (size(tasks) == 0) call fail(error, code_input, 'name at least one task; the tasks are '//join(names, ', '))
+    do i = 1, size(tasks)
+      if (any(names == tasks(i))) cycle
+      call find_former_task(trim(tasks(i)), now)
+      if (len(now) > 0) call fail(error, code_input, trim(tasks(i))//' is '//now)
+      closest = closest_word(trim(tasks(i)), names)
+      if (closest > 0) call fail(error, code_input, shown(trim(tasks(i)))//': no such task (did you mean '// &
+                                 trim(names(closest))//'?)')
+      call fail(error, code_input, shown(trim(tasks(i)))//': no such task; the tasks are '//join(names, ', '))
+    end do
+  end subroutine check_tasks
+end module gearsweep_api_new_case

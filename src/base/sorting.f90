@@ -1,0 +1,29 @@
+!> Numbers in ascending order, by LAPACK.
+module gearsweep_base_sorting
+  use gearsweep_base_kinds, only: dp
+  implicit none
+  private
+  public :: sorted
+
+  interface
+    pure subroutine dlasrt(id, n, d, info)
+      import :: dp
+      character, intent(in) :: id
+      integer, intent(in) :: n
+      real(dp), intent(inout) :: d(*)
+      integer, intent(out) :: info
+    end subroutine dlasrt
+  end interface
+
+contains
+
+  !> Values in ascending order; none may be NaN.
+  pure function sorted(values) result(list)
+    real(dp), intent(in) :: values(:)
+    real(dp) :: list(size(values))
+    integer :: info
+
+    list = values
+    call dlasrt('I', size(list), list, info)
+  end function sorted
+end module gearsweep_base_sorting

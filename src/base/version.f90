@@ -1,0 +1,7 @@
+!> The version, as in fpm.toml; a test compares both.
+module gearsweep_base_version
+  implicit none
+  private
+
+  character(*), parameter, public :: version = '0.1.0'
+end module gearsweep_base_version

@@ -1,0 +1,684 @@
+!> Coefficients of the equation of motion over one mesh period, step by step; they do not depend on the speed.
+!>
+!> The steps end at every break, so that the coefficients are smooth within a step. A contact is a pair that may be in contact or,
+!> after these and only with backlash, the coast sides: all together or, where teeth have position errors, those next to each
+!> pair. Full contact is the contact set about which the motion is linear: all pairs between A and E are in contact or, where
+!> contact reaches beyond A and E, those that carry the static load.
+!>
+!> Graded steps are short after a break and grow as the natural motion that the break excites decays. Where a motion of angular
+!> rate r decays at the rate d, a step h makes an error of the order (r h)**7, so that steps that grow like exp(d t/6) make the
+!> same error each, in proportion to the tolerance. Then 6 r/d times the steps of one radian are enough, however long the motion
+!> lasts.
+module gearsweep_motion_coefficients
+  use gearsweep_base, only: dp, has_memory, pi
+  use gearsweep_mesh, only: interval_t
+  use gearsweep_motion_contact_law, only: find_law, find_law_values, product_of, shared_t
+  use gearsweep_motion_gauss, only: nodes, stiff_nodes
+  use gearsweep_motion_oscillator, only: mobility, oscillator_t, touches_coast
+  implicit none
+  private
+  public :: resolution_t, coefficients_t, tabulate, need_law, forget_laws, contact_sets_at_begin, graded_steps
+
+  !> Number of steps per unit of phase at the phase t after a break: the sum of dense*exp(-fade*t).
+  type :: grading_t
+    real(dp), dimension(3) :: dense = 0, fade = 0
+    real(dp) :: fastest = 0                      !< rate of the natural motion, rad over the phase
+    real(dp) :: turn = 0                         !< phase after the break at which a checksum is computed
+  end type grading_t
+
+  !> Methods of integration.
+  integer, parameter, public :: &
+    scheme_collocation = 0, &          !< Gauss collocation in steps that end at the breaks; contact events are located
+    scheme_rk4 = 1, &                  !< classical Runge-Kutta in steps that end at the breaks
+    scheme_rk4_equal = 2, &            !< classical Runge-Kutta in equal steps (Dogan et al. 2021)
+    scheme_constant = 3                !< exact motion over equal steps with constant coefficients (Karpat et al. 2012)
+
+  !> Method and fineness of the steps: each smooth interval has `times` steps for each of its shares of `base` steps, at least one
+  !> share. The steps of a larger `times` nest in those of the same base.
+  type :: resolution_t
+    real(dp) :: base = 0               !< steps of a period; where graded, of a radian of the natural motion after a break
+    integer :: times = 1
+    real(dp) :: graded_for = 0         !< duration of the mesh period for which the steps grow after breaks, s; 0: equal steps
+    integer :: scheme = scheme_collocation
+    logical :: by_load = .false.       !< smooth intervals also end where pairs begin and cease to carry the static load
+  end type resolution_t
+
+  !> Properties of a step.
+  type :: kind_t
+    !> True: a smooth interval begins, or, where steps are graded, three quarters of a cycle of the natural motion have passed
+    !> since it began.
+    logical :: begins = .false.
+    logical :: widens = .false.        !< a smooth interval begins, or the previous step was shorter
+    logical :: stiff = .false.         !< too long to follow the natural motion: integrated at Radau's points
+  end type kind_t
+
+  !> Coefficients at the three nodes of the integration and at both ends of each step, one-sided at breaks: the properties of the
+  !> pairs, and the contact laws (gearsweep_motion_contact_law) that follow. Derivatives are over the mesh phase.
+  type :: coefficients_t
+    integer :: steps = 0               !< steps of the period; 0: memory is too small for them
+    integer :: contacts = 0            !< largest number of pairs, plus the coast sides
+    integer, allocatable :: interval(:)    !< smooth interval of a step; (step)
+    integer, allocatable :: pairs(:)       !< pairs that may be in contact; (step)
+    integer, allocatable :: full(:)        !< contact set of full contact: bit j - 1 for pair j; (step)
+    integer, allocatable :: between(:)     !< contact set of the pairs between A and E; (step)
+    logical, allocatable :: coupled(:)     !< three pairs or more share different compliances; (step)
+    type(kind_t), allocatable :: kind(:)   !< (step)
+    real(dp), allocatable :: left(:), width(:)     !< start and length of a step, mesh phase 0 to 1; (step)
+    !> K_j (N/m) of a pair that carries alone, e_j (m) and acceleration per load (1/kg); (node, pair, step)
+    real(dp), allocatable, dimension(:, :, :) :: stiffness, profile_error, mobility
+    !> Stiffness and profile error at the ends, with derivatives (0:2, pair, end, step); the mobility is linear: (pair, end, step)
+    real(dp), allocatable, dimension(:, :, :, :) :: end_stiffness, end_profile_error
+    real(dp), allocatable :: end_mobility(:, :, :)
+    !> Gap of the coast flanks next to each pair at x = 0 (m), where teeth have position errors; (node, pair, step) and (0:2, pair,
+    !> end, step). Size 0 in the pairs where all coast flanks share one contact.
+    real(dp), allocatable :: coast_gap(:, :, :), end_coast_gap(:, :, :, :)
+    !> Compliance shared by neighbouring pairs (m/N); (node, pair but the last, step) and (0:2, pair but the last, end, step).
+    real(dp), allocatable :: shared(:, :, :), end_shared(:, :, :, :)
+    !> Bounds (m) of the touching deflections in full contact: a motion whose tangents at the ends of the step stay above the
+    !> upper bound keeps the pairs of full contact in contact, and one below the lower bound keeps the others apart; (step)
+    real(dp), allocatable :: upper_bound(:), lower_bound(:)
+    !> Contact laws. Law i is that of full contact in step i; the other laws of a step follow from there by `next`, as far as they
+    !> were needed. A law of pairs that a smooth interval does not have stays undefined.
+    integer :: laws = 0                          !< number of laws
+    integer, allocatable :: contact_set(:), next(:)    !< next: 0 at the end of the list; (law)
+    !> Sums over the contacts at the nodes: omega^2 (1/s^2), omega (rad/s), k e (m/s^2); (node, law)
+    real(dp), allocatable, dimension(:, :) :: omega_squared, omega, forcing
+    real(dp), allocatable, dimension(:, :, :) :: end_omega_squared, end_forcing    !< at the ends; (0:2, end, law)
+    !> Effective stiffness (N/m; 0 where a contact is open) and touching deflection (m); (0:2, contact, end, law)
+    real(dp), allocatable, dimension(:, :, :, :) :: effective, touching
+  end type coefficients_t
+
+  !> Touching deflection (m) of coast flanks that do not exist, far from any motion's.
+  real(dp), parameter :: nowhere = -1e3_dp
+
+contains
+
+  !> Computes the grading of a smooth interval.
+  elemental type(grading_t) function make_grading(lowest, highest, zeta, finest, duration) result(grading)
+    real(dp), intent(in) :: lowest, highest      !< bounds of the natural frequency over the interval, rad/s
+    real(dp), intent(in) :: zeta                 !< damping ratio
+    real(dp), intent(in) :: finest               !< steps per radian of the natural motion right after the break
+    real(dp), intent(in) :: duration             !< duration of the mesh period, s
+    ! The coefficients themselves are resolved as if they turned through this many radians in a period.
+    real(dp), parameter :: smooth = 24
+    real(dp), parameter :: slower = 1/7.0_dp     ! instead of the sufficient 1/6, to be safe
+    real(dp) :: rate, decay                      ! rate and decay of the fastest motion, over the frequency
+
+    rate = 1
+    decay = zeta
+    if (zeta > 1) then
+      rate = zeta + sqrt(zeta**2 - 1)
+      decay = rate
+      grading%dense(3) = finest*highest*duration/rate
+      grading%fade(3) = slower*lowest*duration/rate
+    end if
+    grading%dense(:2) = finest*[smooth, rate*highest*duration]
+    grading%fade(2) = slower*decay*lowest*duration
+    grading%fastest = rate*highest*duration
+    grading%turn = min(1.5_dp*pi/rate, 1/max(decay, tiny(decay)))/(highest*duration)
+  end function make_grading
+
+  !> True if a step is too long to follow the natural motion or its decay.
+  elemental logical function is_stiff(grading, width)
+    type(grading_t), intent(in) :: grading
+    real(dp), intent(in) :: width                !< width of the step, mesh phase
+    real(dp), parameter :: most = 2.6_dp         ! rad
+
+    is_stiff = grading%fastest*width > most
+  end function is_stiff
+
+  !> True if the natural motion has passed three quarters of a cycle or decayed to a third. There the errors of the first steps
+  !> after the break still show, while at the end of the interval and in the largest load they may not.
+  elemental logical function has_turned(grading, t)
+    type(grading_t), intent(in) :: grading
+    real(dp), intent(in) :: t                    !< mesh phase after the break
+
+    has_turned = t >= grading%turn
+  end function has_turned
+
+  !> Estimate of the number of steps of a smooth interval; at most a quarter below the true number.
+  elemental real(dp) function expected_steps(grading, length) result(steps)
+    type(grading_t), intent(in) :: grading
+    real(dp), intent(in) :: length               !< length of the interval, mesh phase
+
+    ! Replaces the integral (1 - exp(-x))/x, as it is needed for every operating point.
+    steps = sum(grading%dense*length/(1 + grading%fade*length))
+  end function expected_steps
+
+  !> Number of steps of a smooth interval.
+  elemental integer function count_steps(grading, length) result(n)
+    type(grading_t), intent(in) :: grading
+    real(dp), intent(in) :: length               !< length of the interval, mesh phase
+    real(dp) :: t
+
+    t = 0
+    n = 0
+    do while (t < length)
+      t = t + next_width(grading, t)
+      n = n + 1
+    end do
+  end function count_steps
+
+  !> Computes the widths of these steps.
+  pure subroutine spread_steps(grading, length, widths)
+    type(grading_t), intent(in) :: grading
+    real(dp), intent(in) :: length               !< length of the interval, mesh phase
+    real(dp), intent(out) :: widths(:)           !< mesh phase; as many as `count_steps` returns; their sum is `length`
+    real(dp) :: t
+    integer :: i
+
+    t = 0
+    do i = 1, size(widths)
+      widths(i) = next_width(grading, t)
+      t = t + widths(i)
+    end do
+    widths = widths*(length/t)
+  end subroutine spread_steps
+
+  pure real(dp) function next_width(grading, t)
+    type(grading_t), intent(in) :: grading
+    real(dp), intent(in) :: t
+
+    next_width = 1/sum(grading%dense*exp(-grading%fade*t))
+  end function next_width
+
+  !> Allocates the memory for this many steps; memory of the previous table is reused if it is as large. Pairs that a smooth
+  !> interval does not have stay undefined.
+  pure subroutine allocate_table(osc, steps, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: steps
+    type(coefficients_t), intent(inout) :: table
+    ! Tables below this size (bytes) fit into the reserve, as a thread keeps few of them.
+    real(dp), parameter :: small = 256e3_dp
+    logical :: fits
+
+    if (allocated(table%interval)) then
+      if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2)) return
+      table = coefficients_t()
+    end if
+    fits = .true.
+    if (table_bytes(osc, steps) > small) call has_memory(table_bytes(osc, steps), fits)
+    if (.not. fits) return
+    table%steps = steps
+    table%contacts = osc%contacts
+    associate (m => table%contacts, p => osc%pairs, q => max(1, osc%pairs - 1), n => steps + further_laws(steps))
+      allocate (table%interval(steps), table%pairs(steps), table%left(steps), table%width(steps), table%upper_bound(steps))
+      allocate (table%kind(steps), table%full(steps), table%between(steps), table%lower_bound(steps), table%coupled(steps))
+      allocate (table%stiffness(3, p, steps), table%profile_error(3, p, steps), table%mobility(3, p, steps))
+      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_profile_error(0:2, p, 2, steps), table%end_mobility(p, 2, steps))
+      allocate (table%shared(3, q, steps), table%end_shared(0:2, q, 2, steps))
+      associate (c => merge(osc%coasts, 0, osc%coasts > 1))
+        allocate (table%coast_gap(3, c, steps), table%end_coast_gap(0:2, c, 2, steps))
+      end associate
+      allocate (table%contact_set(n), table%next(n), table%omega_squared(3, n), table%omega(3, n), table%forcing(3, n))
+      allocate (table%end_omega_squared(0:2, 2, n), table%end_forcing(0:2, 2, n))
+      allocate (table%effective(0:2, m, 2, n), table%touching(0:2, m, 2, n))
+    end associate
+  end subroutine allocate_table
+
+  !> Number of laws in addition to those of full contact: a motion meets few.
+  pure integer function further_laws(steps)
+    integer, intent(in) :: steps
+
+    further_laws = 32 + min(steps, 1024)
+  end function further_laws
+
+  !> Memory of a table (bytes): its steps and laws, and the temporary arrays while it is filled.
+  pure real(dp) function table_bytes(osc, steps)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: steps
+
+    table_bytes = 8*(real(steps, dp)*(50 + 32*osc%pairs + 9*osc%coasts) + &
+                     real(steps + further_laws(steps), dp)*(23 + 12*osc%contacts))
+  end function table_bytes
+
+  !> Computes stiffness, profile error and mobility of all pairs in the steps `first` to `last` of a smooth interval.
+  pure subroutine fill_pairs(osc, interval, first, last, table)
+    type(oscillator_t), intent(in) :: osc
+    type(interval_t), intent(in) :: interval
+    integer, intent(in) :: first, last
+    type(coefficients_t), intent(inout) :: table           !< with intervals, kinds, starts and widths of the steps
+    integer :: j
+
+    call fill_shared(interval, first, last, table)
+    do j = 1, interval%pairs
+      call fill_pair(osc, interval, j, first, last, table)
+    end do
+    if (.not. allocated(interval%deviation)) return
+    do j = first, last
+      call add_deviations(osc, interval, j, table)
+    end do
+  end subroutine fill_pairs
+
+  !> Fills in the shared compliance of neighbours in the steps first to last of one smooth interval.
+  pure subroutine fill_shared(interval, first, last, table)
+    type(interval_t), intent(in) :: interval
+    integer, intent(in) :: first, last
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: phase
+    integer :: i, j, k
+
+    do i = first, last
+      do j = 1, size(interval%shared, 2)
+        associate (c0 => interval%shared(0, j), c1 => interval%shared(1, j), c2 => interval%shared(2, j))
+          do k = 1, 3
+            phase = table%left(i) + table%width(i)*merge(stiff_nodes(k), nodes(k), table%kind(i)%stiff)
+            table%shared(k, j, i) = c0 + phase*(c1 + phase*c2)
+          end do
+          do k = 1, 2
+            phase = table%left(i) + (k - 1)*table%width(i)
+            table%end_shared(0, j, k, i) = c0 + phase*(c1 + phase*c2)
+            table%end_shared(1, j, k, i) = c1 + 2*phase*c2
+            table%end_shared(2, j, k, i) = 2*c2
+          end do
+        end associate
+      end do
+    end do
+  end subroutine fill_shared
+
+  !> Fills in pair j in the steps first to last of one smooth interval.
+  pure subroutine fill_pair(osc, interval, j, first, last, table)
+    type(oscillator_t), intent(in) :: osc
+    type(interval_t), intent(in) :: interval
+    integer, intent(in) :: j, first, last
+    type(coefficients_t), intent(inout) :: table
+    real(dp), dimension(3*(last - first + 1)) :: s, at_node, error
+    real(dp), dimension(0:last - first + 1) :: ends
+    real(dp), dimension(0:last - first + 1, 0:2) :: stiffness, slopes
+    integer :: i, k, n
+
+    n = last - first + 1
+    do i = 1, n
+      associate (step => first + i - 1)
+        if (table%kind(step)%stiff) then
+          s(3*i - 2:3*i) = interval%place(table%left(step), j) + table%width(step)*stiff_nodes
+        else
+          s(3*i - 2:3*i) = interval%place(table%left(step), j) + table%width(step)*nodes
+        end if
+      end associate
+    end do
+    call osc%mesh%stiffness%sample(s, interval%stiffness_piece(:, j), at_node)
+    call osc%mesh%profile_error%sample(s, interval%piece(:, j), error)
+    ends(:n - 1) = interval%place(table%left(first:last), j)
+    ends(n) = ends(n - 1) + table%width(last)
+    call osc%mesh%stiffness%sample(ends, interval%stiffness_piece(:, j), stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
+    call osc%mesh%profile_error%sample(ends, interval%piece(:, j), slopes(:, 0), slopes(:, 1), slopes(:, 2))
+    do i = 1, n
+      associate (step => first + i - 1)
+        do k = 1, 3
+          table%stiffness(k, j, step) = at_node(3*i - 3 + k)
+          table%profile_error(k, j, step) = error(3*i - 3 + k)
+          table%mobility(k, j, step) = mobility(osc, s(3*i - 3 + k), interval%recess(j))
+        end do
+        do k = 1, 2
+          table%end_stiffness(:, j, k, step) = stiffness(i + k - 2, :)
+          table%end_profile_error(:, j, k, step) = slopes(i + k - 2, :)
+          table%end_mobility(j, k, step) = mobility(osc, ends(i + k - 2), interval%recess(j))
+        end do
+      end associate
+    end do
+  end subroutine fill_pair
+
+  !> Adds the errors of single teeth and the waves over a step.
+  pure subroutine add_deviations(osc, interval, step, table)
+    type(oscillator_t), intent(in) :: osc
+    type(interval_t), intent(in) :: interval
+    integer, intent(in) :: step
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: phase(5), wave(0:2), d(0:2), of_coast(0:2)
+    integer :: j, k
+
+    phase(:3) = table%left(step) + table%width(step)*merge(stiff_nodes, nodes, table%kind(step)%stiff)
+    phase(4:) = table%left(step) + table%width(step)*[0, 1]
+    do k = 1, 5
+      wave = osc%mesh%deviations%wave_at(interval%period, phase(k))
+      if (osc%coasts > 1) of_coast = osc%mesh%deviations%coast_wave_at(interval%period, phase(k))
+      do j = 1, interval%pairs
+        d = wave + interval%deviation_of(phase(k), j)
+        if (k <= 3) then
+          table%profile_error(k, j, step) = table%profile_error(k, j, step) + d(0)
+        else
+          table%end_profile_error(:, j, k - 3, step) = table%end_profile_error(:, j, k - 3, step) + d
+        end if
+        if (osc%coasts < 2) cycle
+        d = of_coast
+        d(0) = d(0) + osc%backlash + interval%coast(j)
+        if (k <= 3) then
+          table%coast_gap(k, j, step) = d(0)
+        else
+          table%end_coast_gap(:, j, k - 3, step) = d
+        end if
+      end do
+    end do
+  end subroutine add_deviations
+
+  !> Tabulates the period at a resolution.
+  pure subroutine tabulate(osc, resolution, table)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution
+    type(coefficients_t), intent(inout) :: table           !< table; its memory is reused; no steps if memory is too small
+    type(grading_t) :: grading(size(osc%intervals))
+    integer :: counts(size(osc%intervals)), i, j, first, last
+
+    if (resolution%graded_for > 0) then
+      grading = gradings(osc, resolution)
+      counts = resolution%times*count_steps(grading, osc%intervals%last - osc%intervals%first)
+    else
+      counts = equal_steps(osc%intervals%last - osc%intervals%first, resolution)
+    end if
+    call allocate_table(osc, sum(counts), table)
+    if (table%steps == 0) return
+    last = 0
+    do i = 1, size(osc%intervals)
+      first = last + 1
+      last = last + counts(i)
+      associate (interval => osc%intervals(i))
+        table%interval(first:last) = i
+        table%pairs(first:last) = interval%pairs
+        table%full(first:last) = set_of(interval%carries)
+        table%between(first:last) = set_of(interval%between)
+        table%coupled(first:last) = osc%shared > 0 .and. osc%mesh%is_coupled(interval%pairs)
+        table%kind(first:last) = kind_t()
+        if (resolution%graded_for > 0) then
+          call grade_interval(osc, i, resolution, grading(i), first, last, table)
+        else
+          table%kind(first) = kind_t(begins=.true., widens=.true.)
+          table%width(first:last) = (interval%last - interval%first)/counts(i)
+          table%left(first:last) = interval%first + [(j, j=0, counts(i) - 1)]*table%width(first)
+        end if
+        call fill_pairs(osc, interval, first, last, table)
+      end associate
+    end do
+    table%laws = table%steps
+    do i = 1, table%steps
+      call fill_law(osc, i, table%full(i), i, table)
+      table%next(i) = 0
+    end do
+    call find_bounds(osc, table)
+  end subroutine tabulate
+
+  !> Number of steps of a smooth interval of this length (mesh phase): `times` for each of its shares of `base` steps, at least
+  !> one share. So all steps are halved from one resolution to the next, and the error of each shows in the difference.
+  elemental integer function equal_steps(length, resolution) result(steps)
+    real(dp), intent(in) :: length
+    type(resolution_t), intent(in) :: resolution
+
+    steps = resolution%times*max(1, ceiling(resolution%base*length - 1e-6_dp))
+  end function equal_steps
+
+  !> Contact set of these pairs.
+  pure integer function set_of(pairs) result(contact_set)
+    logical, intent(in) :: pairs(:)
+    integer :: j
+
+    contact_set = 0
+    do j = 1, size(pairs)
+      if (pairs(j)) contact_set = ibset(contact_set, j - 1)
+    end do
+  end function set_of
+
+  !> Growth of the steps after the start of each smooth interval; (interval).
+  pure function gradings(osc, resolution) result(grading)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution
+    type(grading_t) :: grading(size(osc%intervals))
+
+    grading = make_grading(osc%frequency(1, :), osc%frequency(2, :), osc%damping_ratio, resolution%base, resolution%graded_for)
+  end function gradings
+
+  !> Estimate of the number of steps of a graded period.
+  pure real(dp) function graded_steps(osc, resolution)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution           !< graded
+
+    graded_steps = resolution%times*sum(expected_steps(gradings(osc, resolution), osc%intervals%last - osc%intervals%first))
+  end function graded_steps
+
+  !> Places the steps first to last of smooth interval i.
+  pure subroutine grade_interval(osc, i, resolution, grading, first, last, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: i, first, last
+    type(resolution_t), intent(in) :: resolution
+    type(grading_t), intent(in) :: grading
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: widths((last - first + 1)/resolution%times), behind
+    logical :: noted
+    integer :: k, step
+
+    call spread_steps(grading, osc%intervals(i)%last - osc%intervals(i)%first, widths)
+    behind = 0
+    noted = .false.
+    do k = 0, last - first
+      step = first + k
+      table%width(step) = widths(1 + k/resolution%times)/resolution%times
+      table%left(step) = osc%intervals(i)%first + behind
+      associate (kind => table%kind(step))
+        kind%stiff = is_stiff(grading, table%width(step))
+        kind%widens = modulo(k, resolution%times) == 0
+        kind%begins = k == 0 .or. (kind%widens .and. .not. noted .and. has_turned(grading, behind))
+        noted = noted .or. (k > 0 .and. kind%begins)
+      end associate
+      behind = behind + table%width(step)
+    end do
+  end subroutine grade_interval
+
+  !> Computes the bounds of full contact: from the highest deflection at which a pair in full contact touches at the ends of each
+  !> step and the lowest of the others, with an allowance for their derivatives; not below the coast sides.
+  pure subroutine find_bounds(osc, table)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: highest, lowest, steepness(2)
+    integer :: end, i, j
+
+    do i = 1, table%steps
+      highest = -huge(highest)
+      lowest = huge(lowest)
+      steepness = 0
+      do end = 1, 2
+        do j = 1, osc%contacts
+          if (j > table%pairs(i) .and. j <= osc%pairs) cycle
+          associate (touching => table%touching(:1, j, end, i))
+            if (btest(table%full(i), j - 1) .or. j > osc%pairs) then
+              highest = max(highest, touching(1))
+              steepness(1) = max(steepness(1), abs(touching(2)))
+            else
+              lowest = min(lowest, touching(1))
+              steepness(2) = max(steepness(2), abs(touching(2)))
+            end if
+          end associate
+        end do
+      end do
+      table%upper_bound(i) = highest + steepness(1)*table%width(i)/2
+      table%lower_bound(i) = lowest - steepness(2)*table%width(i)/2
+    end do
+  end subroutine find_bounds
+
+  !> Returns the index of the law of a contact set over a step. Laws are few, so that memory is rarely too small for all of them;
+  !> then those that are not of full contact are deleted.
+  pure subroutine need_law(osc, step, contact_set, table, law)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step, contact_set
+    type(coefficients_t), intent(inout) :: table
+    integer, intent(out) :: law
+
+    law = step
+    do while (table%contact_set(law) /= contact_set)
+      if (table%next(law) == 0) then
+        if (table%laws == size(table%next)) call forget_laws(table)
+        table%laws = table%laws + 1
+        call fill_law(osc, step, contact_set, table%laws, table)
+        table%next(table%laws) = table%next(step)
+        table%next(step) = table%laws
+        law = table%laws
+        return
+      end if
+      law = table%next(law)
+    end do
+  end subroutine need_law
+
+  !> Deletes the laws that are not of full contact.
+  pure subroutine forget_laws(table)
+    type(coefficients_t), intent(inout) :: table
+
+    table%laws = table%steps
+    table%next(:table%steps) = 0
+  end subroutine forget_laws
+
+  !> Computes a law.
+  pure subroutine fill_law(osc, step, contact_set, law, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step, contact_set, law
+    type(coefficients_t), intent(inout) :: table
+    ! Size for as many pairs as a contact set can hold: heap memory for each law would take longer than the arithmetic.
+    real(dp), dimension(3, bit_size(contact_set)) :: effective, touching
+    real(dp), dimension(0:2) :: k, g, t, omega_squared, forcing
+    real(dp) :: slope
+    integer :: end, j
+
+    associate (p => table%pairs(step), kind => kind_of(osc, table, step))
+      table%contact_set(law) = contact_set
+      call find_law_values(contact_set, kind, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
+                           table%shared(:, :, step), effective(:, :p), touching(:, :p))
+      omega_squared = 0
+      forcing = 0
+      do j = 1, p
+        effective(:, j) = effective(:, j)*table%mobility(1:3, j, step)
+        omega_squared = omega_squared + effective(:, j)
+        forcing = forcing + effective(:, j)*touching(:, j)
+      end do
+      table%omega_squared(1:3, law) = omega_squared
+      table%forcing(1:3, law) = forcing
+      do end = 1, 2
+        call find_law(contact_set, kind, table%end_stiffness(:, :p, end, step), &
+                      table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), &
+                      table%effective(:, :p, end, law), table%touching(:, :p, end, law))
+        omega_squared = 0
+        forcing = 0
+        ! Products with derivatives; the mobility is linear over the step.
+        do j = 1, p
+          g = table%effective(0:2, j, end, law)
+          t = table%touching(0:2, j, end, law)
+          associate (m => table%end_mobility(j, end, step))
+            slope = (table%end_mobility(j, 2, step) - table%end_mobility(j, 1, step))/table%width(step)
+            k(0) = g(0)*m
+            k(1) = g(1)*m + g(0)*slope
+            k(2) = g(2)*m + 2*g(1)*slope
+          end associate
+          omega_squared = omega_squared + k
+          forcing(0) = forcing(0) + k(0)*t(0)
+          forcing(1) = forcing(1) + k(1)*t(0) + k(0)*t(1)
+          forcing(2) = forcing(2) + k(2)*t(0) + 2*k(1)*t(1) + k(0)*t(2)
+        end do
+        table%end_omega_squared(0:2, end, law) = omega_squared
+        table%end_forcing(0:2, end, law) = forcing
+      end do
+    end associate
+    if (osc%coasts == 1) call add_coast(osc, step, touches_coast(osc, contact_set), law, table)
+    if (osc%coasts > 1) call add_coast_flanks(osc, step, shiftr(contact_set, osc%pairs), law, table)
+    table%omega(1:3, law) = sqrt(table%omega_squared(1:3, law))
+  end subroutine fill_law
+
+  !> Kind of compliance that the pairs share in a step.
+  pure type(shared_t) function kind_of(osc, table, step)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+
+    kind_of = shared_t(osc%shared > 0, table%coupled(step), osc%mesh%disc%shared_beyond())
+  end function kind_of
+
+  !> Adds the coast sides to a law: they touch at x = -backlash, backed by the stiffness of all pairs between A and E.
+  pure subroutine add_coast(osc, step, closed, law, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step, law
+    logical, intent(in) :: closed                ! true: they are in contact
+    type(coefficients_t), intent(inout) :: table
+    real(dp), dimension(3, table%pairs(step)) :: at_node, node_touching
+    real(dp), dimension(0:2, table%pairs(step)) :: at_end, touching
+    real(dp) :: k(3)
+    integer :: end
+
+    associate (p => table%pairs(step), kind => kind_of(osc, table, step), coast => osc%contacts, between => table%between(step))
+      table%effective(:, coast, :, law) = 0
+      table%touching(:, coast, :, law) = 0
+      table%touching(0, coast, :, law) = -osc%backlash
+      if (.not. closed) return
+      call find_law_values(between, kind, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
+                           table%shared(:, :, step), at_node, node_touching)
+      k = sum(at_node, 2)*sum(1/osc%mass)
+      table%omega_squared(:, law) = table%omega_squared(:, law) + k
+      table%forcing(:, law) = table%forcing(:, law) - k*osc%backlash
+      do end = 1, 2
+        call find_law(between, kind, table%end_stiffness(:, :p, end, step), &
+                      table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), at_end, touching)
+        table%effective(:, coast, end, law) = sum(at_end, 2)
+        table%end_omega_squared(:, end, law) = table%end_omega_squared(:, end, law) + sum(at_end, 2)*sum(1/osc%mass)
+        table%end_forcing(:, end, law) = table%end_forcing(:, end, law) - sum(at_end, 2)*sum(1/osc%mass)*osc%backlash
+      end do
+    end associate
+  end subroutine add_coast
+
+  !> Adds the coast flanks next to each pair between A and E to a law. They share compliance as the pairs do.
+  pure subroutine add_coast_flanks(osc, step, coast_set, law, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step, law
+    integer, intent(in) :: coast_set             ! bit j - 1: those next to pair j are in contact
+    type(coefficients_t), intent(inout) :: table
+    real(dp), dimension(3, table%pairs(step)) :: at_node, node_touching
+    real(dp), dimension(0:2, table%pairs(step)) :: at_end, touching
+    real(dp) :: mobility
+    integer :: end, j
+
+    mobility = sum(1/osc%mass)
+    associate (p => table%pairs(step), kind => kind_of(osc, table, step))
+      if (coast_set > 0) then
+        call find_law_values(coast_set, kind, table%stiffness(:, :p, step), table%coast_gap(:, :p, step), &
+                             table%shared(:, :, step), at_node, node_touching)
+        table%omega_squared(:, law) = table%omega_squared(:, law) + mobility*sum(at_node, 2)
+        table%forcing(:, law) = table%forcing(:, law) - mobility*sum(at_node*node_touching, 2)
+      end if
+      do end = 1, 2
+        call find_law(coast_set, kind, table%end_stiffness(:, :p, end, step), table%end_coast_gap(:, :p, end, step), &
+                      table%end_shared(:, :, end, step), at_end, touching)
+        table%effective(:, osc%pairs + 1:, end, law) = 0
+        table%touching(:, osc%pairs + 1:, end, law) = 0
+        table%touching(0, osc%pairs + 1:, end, law) = nowhere
+        do j = 1, p
+          if (.not. btest(table%between(step), j - 1)) cycle
+          table%effective(:, osc%pairs + j, end, law) = at_end(:, j)
+          table%touching(:, osc%pairs + j, end, law) = -touching(:, j)
+          table%end_omega_squared(:, end, law) = table%end_omega_squared(:, end, law) + mobility*at_end(:, j)
+          table%end_forcing(:, end, law) = table%end_forcing(:, end, law) - mobility*product_of(at_end(:, j), touching(:, j))
+        end do
+      end do
+    end associate
+  end subroutine add_coast_flanks
+
+  !> Finds the contact sets of a batch at the start of a step; where they are held, that of full contact. The first contact that
+  !> touches on the wrong side changes until there is none (`closed_set` of gearsweep_motion_contact_law).
+  pure subroutine contact_sets_at_begin(osc, step, x, held, table, contact_set)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step                !< index of the step
+    real(dp), intent(in) :: x(:)               !< m; (speed)
+    logical, intent(in) :: held(:)             !< (speed)
+    type(coefficients_t), intent(inout) :: table
+    integer, intent(out) :: contact_set(:)     !< (speed)
+    integer :: i, j, l, law
+
+    do l = 1, size(x)
+      contact_set(l) = table%full(step)
+      if (held(l)) cycle
+      do i = 1, 4*2**min(osc%contacts, 10)
+        call need_law(osc, step, contact_set(l), table, law)
+        do j = 1, osc%contacts
+          if (j > table%pairs(step) .and. j <= osc%pairs) cycle
+          associate (touching => table%touching(0, j, 1, law))
+            if (btest(contact_set(l), j - 1) .neqv. merge(x(l) < touching, x(l) > touching, j > osc%pairs)) exit
+          end associate
+        end do
+        if (j > osc%contacts) exit
+        contact_set(l) = ieor(contact_set(l), ibset(0, j - 1))
+      end do
+    end do
+  end subroutine contact_sets_at_begin
+end module gearsweep_motion_coefficients

@@ -1,0 +1,256 @@
+!> The task `attractors`: all attracting motions at chosen speeds, from a grid of starts, and the starts that lead to each of them
+!> (see gearsweep_motion_attractors).
+module gearsweep_nonlinear_task_attractors
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_base, only: axis, claim_memory, code_memory, dp, error_t, fail, fixed, left, lines_t, no_number, right, str, table_t
+  use gearsweep_motion, only: attractor_options_t, attractors_t, contact_name, contact_of, find_attractors, has_result, &
+    largest_reached, mesh_period, start_states, status_ok, status_stopped
+  use gearsweep_study, only: add_rest, factor_in, most_rows, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
+    reader_t, runnable_t, stage, stages_t, task_info_t, words_of
+  implicit none
+  private
+  public :: attractors_task_t
+
+  type, extends(runnable_t) :: attractors_task_t
+    type(attractor_options_t) :: options
+  contains
+    procedure, nopass :: describe
+    procedure :: read_keys, run, add_report
+  end type attractors_task_t
+
+  character(*), parameter :: group = 'attractors'
+
+contains
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
+                                     stage%speeds], &
+                       tables='attractors attractor_points basins', fields='', &
+                       gives='all attracting motions from spread starts, and which starts lead to which')
+  end subroutine describe
+
+  subroutine read_keys(self, reader, error)
+    class(attractors_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+    logical :: has_most
+
+    call reader%add_group(group, 'The task attractors, over the speeds of &sweep or its own.')
+    call self%read_speeds(reader, group, error)
+    call self%read_reliefs(reader, group, error)
+    call reader%get(group, 'starts', self%options%starts, error, tasks=group, at_least=1, at_most=1000, &
+                    meaning='starts along each axis of their grid, displacement and velocity as a new pair enters')
+    call reader%get(group, 'span', self%options%span, error, tasks=group, at_least=1e-6_dp, at_most=1e6_dp, &
+                    meaning='from the middle of the grid, at rest at the mean deflection, to its edge, in static deflections; '// &
+                    'velocities: those with which the natural motion has such amplitudes')
+    call reader%get(group, 'most_periods', self%options%most_periods, error, tasks=group, at_least=1, at_most=64, &
+                    meaning='mesh periods after which a motion that is looked for repeats, at most')
+    call reader%get(group, 'followed_periods', self%options%most_cycles, error, tasks=group, given=has_most, at_least=1, &
+                    at_most=10**7, otherwise='as many as decay to exp(-5) takes, 2000 to 100 000', &
+                    meaning='mesh periods that a start is followed at most until a motion has captured it')
+  end subroutine read_keys
+
+  subroutine run(self, stages, error)
+    class(attractors_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    type(attractors_t), allocatable :: found(:, :)
+    type(attractor_options_t) :: options
+    real(dp), allocatable :: rpm(:)
+    integer, allocatable :: which(:)
+    integer :: i
+
+    call self%list_speeds(stages, rpm)
+    call self%list_reliefs(stages, which)
+    call claim_memory(size(which)*size(rpm)*(1e4_dp + 40.0_dp*self%options%starts**2), '&attractors: '//str(size(rpm))// &
+                      ' speeds by '//str(self%options%starts**2)//' starts', error)
+    if (allocated(error)) return
+    options = self%options
+    options%accuracy = stages%accuracy
+    options%threads = stages%running%threads
+    allocate (found(size(rpm), size(which)))
+    do i = 1, size(which)
+      call find_attractors(stages%motion(which(i)), rpm, options, found(:, i))
+      if (any(found(:, i)%lacks)) call fail(error, code_memory, '&attractors: the memory does not hold the motions')
+      if (allocated(error) .or. any(found(:, i)%status == status_stopped)) return
+      self%failed = self%failed + count(found(:, i)%status /= status_ok)
+      call stages%running%tell(size(rpm), stages%accuracy%steady%stop)
+    end do
+    associate (amount => stages%amount(which))
+      call fill_motions(rpm, mesh_period(stages%motion(1)%mesh%teeth(1), rpm), amount, found, &
+                        self%tables(self%place('attractors')), error)
+      call fill_points(rpm, amount, found, self%tables(self%place('attractor_points')), error)
+      call fill_basins(stages, rpm, which, options, found, self%tables(self%place('basins')), error)
+    end associate
+    self%is_done = .true.
+    self%log = 'attractors: '//str(size(found))//' operating points, '//str(self%options%starts**2)//' starts each'
+  end subroutine run
+
+  !> Fills a row for each relief, speed and motion. `period`: of the mesh at the speeds, s.
+  pure subroutine fill_motions(rpm, period, relief, found, table, error)
+    real(dp), intent(in) :: rpm(:), period(:), relief(:)   ! 1/min, s, m
+    type(attractors_t), intent(in) :: found(:, :)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: values(:, :)
+    integer, allocatable :: counts(:, :), status(:), contact(:)
+    integer :: rows, row, i, k, m
+
+    rows = sum([((size(found(k, i)%motion), k=1, size(rpm)), i=1, size(relief))])
+    call table%begin('attracting motions at each speed, the one to which most starts lead first', rows, error)
+    if (allocated(error)) return
+    allocate (values(rows, 8), counts(rows, 3), status(rows), contact(rows))
+    row = 0
+    do i = 1, size(relief)
+      do k = 1, size(rpm)
+        do m = 1, size(found(k, i)%motion)
+          row = row + 1
+          associate (motion => found(k, i)%motion(m))
+            associate (steady => motion%point%steady)
+              values(row, :) = [relief(i), rpm(k), no_number(), no_number(), steady%multiplier, no_number(), no_number(), &
+                                motion%starts/real(size(found(k, i)%to), dp)]
+              if (has_result(steady%status)) then
+                values(row, 3:4) = [motion%point%dynamic_factor, motion%point%estimate]
+                values(row, 6:7) = [steady%state(1), steady%state(2)/period(k)]
+              end if
+              counts(row, :) = [m, steady%periods, motion%starts]
+              status(row) = steady%status
+              contact(row) = contact_of(steady)
+            end associate
+          end associate
+        end do
+      end do
+    end do
+    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
+    call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
+    call table%add_index(axis('motion', '', 'which of the motions at this speed', counts(:, 1)))
+    call table%add('dynamic_factor', '', of_factor, values(:, 3))
+    call table%add('error_estimate', '', of_estimate, values(:, 4))
+    call table%add_words('status', of_status, words_of(status))
+    call table%add_words('contact', 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides '// &
+                         'touched', contact_name(contact))
+    call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', values(:, 5))
+    call table%add('mesh_periods', '', of_periods, counts(:, 2))
+    call table%add('starts', '', 'how many starts lead to it; 0: none reaches it, and it is left out of largest values', &
+                   counts(:, 3))
+    call table%add('share', '', 'the same as a share of all starts', values(:, 8))
+    call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', values(:, 6))
+    call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
+                   'continued from both', values(:, 7))
+  end subroutine fill_motions
+
+  !> Fills a row for each relief and speed.
+  pure subroutine fill_points(rpm, relief, found, table, error)
+    real(dp), intent(in) :: rpm(:), relief(:)    ! 1/min, m
+    type(attractors_t), intent(in) :: found(:, :)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: values(:, :)
+    integer, allocatable :: counts(:, :), status(:)
+    integer :: row, i, k
+
+    associate (n => size(rpm), m => size(relief))
+      call table%over('how many motions attract, and what a sweep of single speeds shows of them', error, &
+                      axis('relief_um', 'um', of_relief, relief), axis('rpm', '1/min', of_speed, rpm))
+      if (allocated(error)) return
+      allocate (values(n*m, 4), counts(n*m, 2), status(n*m))
+      row = 0
+      do i = 1, m
+        do k = 1, n
+          row = row + 1
+          values(row, :) = summary(found(k, i))
+          counts(row, :) = [size(found(k, i)%motion), found(k, i)%alone_is]
+          status(row) = found(k, i)%status
+        end do
+      end do
+      call table%add('motions', '', 'how many attracting motions are known', counts(:, 1))
+      call table%add('largest_dynamic_factor', '', 'largest DF of those that a start reaches or a sweep of single speeds '// &
+                     'shows; NaN where none is known', values(:, 1))
+      call table%add('each_dynamic_factor', '', 'DF that a sweep with direction = ''each'' shows; NaN where it has no answer', &
+                     values(:, 2))
+      call table%add('each_motion', '', 'which of the motions that is; 0: none of them', counts(:, 2))
+      call table%add('each_share', '', 'share of the starts that lead to it', values(:, 3))
+      call table%add('unsettled_share', '', 'share of the starts that nothing captured within followed_periods', values(:, 4))
+      call table%add_words('status', 'ok; unresolved: the speed is too low to be searched', words_of(status))
+    end associate
+  end subroutine fill_points
+
+  !> Summary: largest DF of the motions reached, DF of the operating point and its share, share of the starts without a motion.
+  pure function summary(found) result(values)
+    type(attractors_t), intent(in) :: found
+    real(dp) :: values(4)
+
+    values = no_number()
+    values(1) = largest_reached(found)
+    if (has_result(found%alone%steady%status)) values(2) = found%alone%dynamic_factor
+    if (found%alone_is > 0) values(3) = found%motion(found%alone_is)%starts/real(size(found%to), dp)
+    if (found%status == status_ok) values(4) = count(found%to == 0)/real(size(found%to), dp)
+  end function summary
+
+  !> Fills a row for each relief, speed and start.
+  pure subroutine fill_basins(stages, rpm, which, options, found, table, error)
+    type(stages_t), intent(in) :: stages
+    real(dp), intent(in) :: rpm(:)               ! 1/min
+    integer, intent(in) :: which(:)              ! indices of the reliefs
+    type(attractor_options_t), intent(in) :: options
+    type(attractors_t), intent(in) :: found(:, :)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: states(:, :)
+    integer, allocatable :: to(:)
+    real(dp) :: duration
+    integer :: i, k, row, m, n, starts
+
+    starts = options%starts**2
+    n = size(rpm)
+    m = size(which)
+    call table%over('starts, and the motion that each leads to', error, &
+                    axis('relief_um', 'um', of_relief, stages%amount(which)), axis('rpm', '1/min', of_speed, rpm), &
+                    axis('start', '', 'which start: the displacement varies fastest', [(i, i=1, starts)]))
+    if (allocated(error)) return
+    allocate (states(2, m*n*starts), to(m*n*starts))
+    row = 0
+    do i = 1, m
+      do k = 1, n
+        duration = mesh_period(stages%motion(1)%mesh%teeth(1), rpm(k))
+        states(:, row + 1:row + starts) = start_states(stages%motion(which(i)), duration, options)
+        states(2, row + 1:row + starts) = states(2, row + 1:row + starts)/duration
+        to(row + 1:row + starts) = found(k, i)%to
+        row = row + starts
+      end do
+    end do
+    call table%add('dte_um', 'um', 'dynamic transmission error at the start, as a new pair enters', states(1, :))
+    call table%add('dte_rate_mm_s', 'mm/s', 'its rate there', states(2, :))
+    call table%add('motion', '', 'the motion of the table attractors that it leads to; 0: none within followed_periods', to)
+  end subroutine fill_basins
+
+  pure subroutine add_report(self, lines)
+    class(attractors_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    character(12) :: share
+    integer :: i
+
+    associate (found => self%tables(self%place('attractors')), points => self%tables(self%place('attractor_points')))
+      call lines%add('')
+      call lines%add('Attracting motions, '//str(points%extent(2))//' speeds, '//str(self%options%starts**2)//' starts each')
+      call lines%add('   relief um      at rpm   periods        DF   starts, %   contact')
+      do i = 1, min(found%rows, most_rows)
+        share = fixed(100*found%number('share', i), 1)
+        if (found%number('starts', i) <= 0) share = 'none'
+        call lines%add(right(str(found%number('relief_um', i)), 12)//right(str(found%number('rpm', i), 6), 12)// &
+                       right(str(nint(found%number('mesh_periods', i))), 10)// &
+                       factor_in(found%number('dynamic_factor', i))// &
+                       right(trim(share), 12)//'   '//trim(found%word('contact', i)))
+      end do
+      call add_rest(found%rows, found%name, lines)
+      call lines%add(left('Several motions', 19)//'at '//str(count(points%numbers('motions') > 1))//' of '//str(points%rows)// &
+                     ' operating points')
+      i = count(points%numbers('unsettled_share') > 0)
+      if (i > 0) call lines%add(left('', 19)//'at '//str(i)//' some starts were not captured within followed_periods')
+      i = count(ieee_is_nan(points%numbers('unsettled_share')))
+      if (i > 0) call lines%add(left('', 19)//'at '//str(i)//' the speed is too low to be searched')
+    end associate
+  end subroutine add_report
+end module gearsweep_nonlinear_task_attractors

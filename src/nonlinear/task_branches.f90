@@ -1,0 +1,472 @@
+!> The task `branches`: periodic motions over speed, damping ratio, relief or load, attracting or not, with their folds,
+!> doublings and grazings (see gearsweep_nonlinear_branch_search).
+module gearsweep_nonlinear_task_branches
+  use gearsweep_base, only: axis, code_input, dp, error_t, fail, left, lines_t, no_number, right, str, table_t
+  use gearsweep_motion, only: attractor_options_t, contact_name, contact_of, mesh_period, oscillator_t, steady_t
+  use gearsweep_study, only: add_rest, case_variation_t, factor_in, most_rows, number_names, number_units, of_dte_range, &
+    of_dte_rms, of_periods, of_relief, of_speed, reader_t, runnable_t, stage, stages_t, task_info_t, &
+    vary_damping, vary_force, vary_relief, vary_rpm
+  use gearsweep_nonlinear_bifurcation, only: branch_point_t, branch_search_options_t, end_name, family_t, find_branches, &
+    follow_options_t, kind_name, whole_branch_t, width
+  implicit none
+  private
+  public :: branches_task_t
+
+  !> The first ones of a case's numbers can be parameters of branches.
+  integer, parameter, public :: parameters = vary_force
+  character(*), parameter, public :: parameter_names(parameters) = number_names(:parameters)
+
+  type, extends(family_t) :: case_family_t
+    type(case_variation_t) :: case
+    integer :: which = vary_rpm                  !< index of the parameter among these numbers
+  contains
+    procedure :: oscillator_at, duration_at, numbers_at
+  end type case_family_t
+
+  !> Branches with one amount of relief.
+  type :: branch_set_t
+    type(case_family_t) :: family
+    type(whole_branch_t), allocatable :: branch(:)
+    integer :: unresolved = 0                    !< number of seeds whose speed is too low
+  end type branch_set_t
+
+  !> Indices of a row: set, branch and point.
+  type :: row_t
+    integer :: set = 0, branch = 0, at = 0, number = 0
+  end type row_t
+
+  integer, parameter :: word = 8
+  real(dp), parameter :: neutral = 1e-7_dp        ! tolerance for a multiplier of 1
+  character(*), parameter :: of_branch = 'which branch', of_damping_ratio = 'damping ratio', of_normal_force = 'static load', &
+    of_dynamic_factor = 'dynamic factor DF: largest load of a pair over the static load', &
+    of_contact = 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides touched'
+
+  type, extends(runnable_t) :: branches_task_t
+    integer :: parameter = vary_rpm              !< parameter, an index of gearsweep_study_run_case_variation
+    real(dp) :: range(2) = 0                     !< first and last value, SI units
+    real(dp) :: rpm = 0                          !< speed if it is not the parameter, 1/min
+    integer :: most_periods = 4, seeds = 9, points = 200
+  contains
+    procedure, nopass :: describe
+    procedure :: read_keys, run, add_report, uses, count_points
+  end type branches_task_t
+
+  character(*), parameter :: group = 'branches'
+
+contains
+
+  !> Builds the family of a case, after checks at both ends of its range.
+  subroutine make_case_family(case, which, range, family, error)
+    type(case_variation_t), intent(in) :: case
+    integer, intent(in) :: which                 !< the parameter
+    real(dp), intent(in) :: range(2)             !< its first and last value
+    type(case_family_t), intent(out) :: family
+    type(error_t), allocatable, intent(inout) :: error
+    type(error_t), allocatable :: refused
+    type(oscillator_t) :: osc
+    integer :: end
+
+    family%case = case
+    family%which = which
+    family%first = range(1)
+    family%last = range(2)
+    family%is_speed = which == vary_rpm
+    family%least = merge(1e-3_dp*family%first, 0.0_dp, which == vary_rpm .or. which == vary_force)
+    if (which == vary_relief .and. allocated(case%inputs%profile_error%breaks)) &
+      call fail(error, code_input, '&branches parameter = ''relief_um'': the profile error is prescribed')
+    do end = 1, 2
+      if (allocated(error)) return
+      call family%oscillator_at(range(end), osc, refused)
+      if (.not. allocated(refused)) cycle
+      call fail(error, code_input, '&branches '//trim(merge('first', 'last ', end == 1))//' = '// &
+                str(range(end)/number_units(which))//': '//refused%message)
+    end do
+  end subroutine make_case_family
+
+  !> Numbers of the case, where the parameter has this value.
+  pure function numbers_at(self, value) result(numbers)
+    class(case_family_t), intent(in) :: self
+    real(dp), intent(in) :: value
+    real(dp) :: numbers(parameters)
+    integer :: i
+
+    numbers = [(self%case%number(i), i=1, parameters)]
+    numbers(self%which) = value
+  end function numbers_at
+
+  subroutine oscillator_at(self, value, osc, error)
+    class(case_family_t), intent(in) :: self
+    real(dp), intent(in) :: value
+    type(oscillator_t), intent(out) :: osc
+    type(error_t), allocatable, intent(out) :: error
+    type(case_variation_t) :: case
+
+    case = self%case
+    call case%set(self%which, value)
+    call case%build(osc, error)
+  end subroutine oscillator_at
+
+  !> Duration of the mesh period, s.
+  pure real(dp) function duration_at(self, value)
+    class(case_family_t), intent(in) :: self
+    real(dp), intent(in) :: value
+    real(dp) :: numbers(parameters)
+
+    numbers = self%numbers_at(value)
+    duration_at = mesh_period(self%case%inputs%motion%teeth(1), numbers(vary_rpm))
+  end function duration_at
+
+  !> Fills a row for each branch.
+  pure subroutine fill_branches(found, table, error)
+    type(branch_set_t), intent(in) :: found(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    type(row_t), allocatable :: rows(:)
+    real(dp), allocatable :: values(:, :)
+    integer, allocatable :: counts(:, :), ends(:, :)
+    integer :: i
+
+    if (allocated(error)) return
+    allocate (rows(0))
+    call list_rows(found, 0, rows)
+    call table%begin('branches of periodic motions over the parameter', size(rows), error)
+    if (allocated(error)) return
+    allocate (values(size(rows), 4), counts(size(rows), 4), ends(size(rows), 2))
+    do i = 1, size(rows)
+      associate (b => found(rows(i)%set)%branch(rows(i)%branch), family => found(rows(i)%set)%family)
+        values(i, 1) = family%case%relief
+        if (family%which == vary_relief) values(i, 1) = no_number()
+        values(i, 2) = min(minval(b%point%value), minval(b%special%point%value))
+        values(i, 3) = max(maxval(b%point%value), maxval(b%special%point%value))
+        values(i, 2:3) = values(i, 2:3)*merge(1e6_dp, 1.0_dp, family%which == vary_relief)
+        values(i, 4) = max(maxval(b%point%dynamic_factor), maxval(b%special%point%dynamic_factor))
+        counts(i, :) = [rows(i)%number, b%periods, size(b%point), count(b%point%modulus < 1 - neutral)]
+        ends(i, :) = b%ends
+      end associate
+    end do
+    call table%add_index(axis('branch', '', of_branch, counts(:, 1)))
+    call table%add('relief_um', 'um', of_relief//'; NaN where it is the parameter', values(:, 1))
+    call table%add('mesh_periods', '', of_periods, counts(:, 2))
+    call table%add('least', '', 'least value of the parameter, in the unit of its name', values(:, 2))
+    call table%add('largest', '', 'largest value of the parameter', values(:, 3))
+    call table%add('largest_dynamic_factor', '', 'largest DF on the branch', values(:, 4))
+    call table%add('points', '', 'points followed', counts(:, 3))
+    call table%add('stable_points', '', 'of these, where the motion attracts', counts(:, 4))
+    call table%add_words('first_end', 'how it ends where its points begin: range: of the parameter; closed: in itself; '// &
+                         'doubling: in a motion of half the period, whose period doubles there; lost: Newton''s method does '// &
+                         'not go on; length: so many points', end_name(ends(:, 1)))
+    call table%add_words('last_end', 'how it ends where its points end', end_name(ends(:, 2)))
+  end subroutine fill_branches
+
+  !> Fills a row for each point of each branch.
+  pure subroutine fill_points(found, table, error)
+    type(branch_set_t), intent(in) :: found(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    type(row_t), allocatable :: rows(:)
+    real(dp), allocatable :: states(:, :)
+    integer, allocatable :: at(:), number(:)
+    integer :: i
+
+    if (allocated(error)) return
+    allocate (rows(0))
+    call list_rows(found, 1, rows)
+    call table%begin('points of the branches, from one end to the other', size(rows), error)
+    if (allocated(error)) return
+    allocate (states(size(rows), 2), at(size(rows)), number(size(rows)))
+    do i = 1, size(rows)
+      associate (b => found(rows(i)%set)%branch(rows(i)%branch))
+        states(i, :) = b%scale*b%point(rows(i)%at)%z(:2)
+        at(i) = rows(i)%at
+        number(i) = rows(i)%number
+      end associate
+    end do
+    call table%add_index(axis('branch', '', of_branch, number))
+    call table%add_index(axis('point', '', 'which of its points', at))
+    call add_motions(found, rows, .false., table)
+    call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', states(:, 1))
+    call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
+                   'continued from both', states(:, 2))
+  end subroutine fill_points
+
+  !> Fills a row for each fold, doubling and grazing.
+  pure subroutine fill_changes(found, table, error)
+    type(branch_set_t), intent(in) :: found(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    type(row_t), allocatable :: rows(:)
+    real(dp), allocatable :: phase(:), enclosed(:)
+    integer, allocatable :: after(:), kind(:), period(:), number(:)
+    integer :: i
+
+    if (allocated(error)) return
+    allocate (rows(0))
+    call list_rows(found, 2, rows)
+    call table%begin('where the motion changes its kind along a branch', size(rows), error)
+    if (allocated(error)) return
+    allocate (phase(size(rows)), enclosed(size(rows)), after(size(rows)), kind(size(rows)), period(size(rows)), &
+              number(size(rows)))
+    do i = 1, size(rows)
+      associate (family => found(rows(i)%set)%family)
+        associate (special => found(rows(i)%set)%branch(rows(i)%branch)%special(rows(i)%at))
+          phase(i) = no_number()
+          if (special%overlap%contact > 0) phase(i) = special%overlap%phase
+          period(i) = special%overlap%period
+          enclosed(i) = special%enclosed/width*(family%last - family%first) &
+                        *merge(1e6_dp, 1.0_dp, family%which == vary_relief)
+          after(i) = special%after
+          kind(i) = special%kind
+          number(i) = rows(i)%number
+        end associate
+      end associate
+    end do
+    call table%add_index(axis('branch', '', of_branch, number))
+    call table%add_words('kind', 'fold: a Floquet multiplier is 1, and the branch turns back; doubling: one is -1; '// &
+                         'grazing: the overlap of a contact is 0 where it is smallest or largest, or where a pair enters or '// &
+                         'leaves; vertical: a line of motions begins at one value of the parameter; unknown: contact or '// &
+                         'stability changes between this point and the one before, and it is not known how', kind_name(kind))
+    call table%add('after_point', '', 'the point of the branch before it', after)
+    call add_motions(found, rows, .true., table)
+    call table%add('phase', '', 'of grazing, the mesh phase; NaN where it is not known or no grazing', phase)
+    call table%add('in_period', '', 'of grazing, in which of the mesh periods; 0 as above', period)
+    call table%add('enclosed', '', 'between motions so far apart it is enclosed, as a distance in the unit of the parameter''s '// &
+                   'name', enclosed)
+  end subroutine fill_changes
+
+  !> Adds the columns of a motion.
+  pure subroutine add_motions(found, rows, special, table)
+    type(branch_set_t), intent(in) :: found(:)
+    type(row_t), intent(in) :: rows(:)
+    logical, intent(in) :: special               ! true: special points; false: points of branches
+    type(table_t), intent(inout) :: table
+    type(branch_point_t) :: point
+    real(dp), allocatable :: numbers(:, :), values(:, :)
+    integer, allocatable :: periods(:), contact(:)
+    character(word), allocatable :: stability(:)
+    integer :: i
+
+    allocate (numbers(size(rows), 4), values(size(rows), 4), periods(size(rows)), contact(size(rows)), stability(size(rows)))
+    do i = 1, size(rows)
+      associate (b => found(rows(i)%set)%branch(rows(i)%branch), family => found(rows(i)%set)%family)
+        if (special) point = b%special(rows(i)%at)%point
+        if (.not. special) point = b%point(rows(i)%at)
+        numbers(i, :) = family%numbers_at(point%value)
+        periods(i) = b%periods
+      end associate
+      values(i, :) = [point%dynamic_factor, point%modulus, point%dte_rms, point%dte_range]
+      contact(i) = contact_of(steady_t(partial=point%partial, lost=point%lost, coast=point%coast))
+      stability(i) = 'unstable'
+      if (point%modulus <= 1 + neutral) stability(i) = 'marginal'
+      if (point%modulus < 1 - neutral) stability(i) = 'stable'
+    end do
+    call table%add('rpm', '1/min', of_speed, numbers(:, vary_rpm))
+    call table%add('damping_ratio', '', of_damping_ratio, numbers(:, vary_damping))
+    call table%add('relief_um', 'um', of_relief, numbers(:, vary_relief))
+    call table%add('normal_force_n', 'N', of_normal_force, numbers(:, vary_force))
+    call table%add('dynamic_factor', '', of_dynamic_factor, values(:, 1))
+    call table%add('mesh_periods', '', of_periods, periods)
+    call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', values(:, 2))
+    call table%add_words('stability', 'stable: the motion attracts; unstable: it repels; marginal: neither, to 1e-7', stability)
+    call table%add_words('contact', of_contact, contact_name(contact))
+    call table%add('dte_rms_um', 'um', of_dte_rms, values(:, 3))
+    call table%add('dte_peak_to_peak_um', 'um', of_dte_range, values(:, 4))
+  end subroutine add_motions
+
+  !> Lists the rows: one for each branch (0), point (1) or special point (2). Branches are counted over all sets.
+  pure subroutine list_rows(found, what, rows)
+    type(branch_set_t), intent(in) :: found(:)
+    integer, intent(in) :: what
+    type(row_t), allocatable, intent(inout) :: rows(:)
+    integer :: i, k, m, n, number, pass
+
+    do pass = 1, 2
+      n = 0
+      number = 0
+      do i = 1, size(found)
+        do k = 1, size(found(i)%branch)
+          number = number + 1
+          do m = 1, how_many(found(i)%branch(k), what)
+            n = n + 1
+            if (pass == 2) rows(n) = row_t(i, k, m, number)
+          end do
+        end do
+      end do
+      if (pass == 2) exit
+      deallocate (rows)
+      allocate (rows(n))
+    end do
+  end subroutine list_rows
+
+  pure integer function how_many(branch, what)
+    type(whole_branch_t), intent(in) :: branch
+    integer, intent(in) :: what
+
+    how_many = 1
+    if (what == 1) how_many = size(branch%point)
+    if (what == 2) how_many = size(branch%special)
+  end function how_many
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses], &
+                       tables='branches branch_points branch_changes', fields='', &
+                       gives='whole branches of periodic motions, attracting or not, with folds, doubled periods and grazing')
+  end subroutine describe
+
+  !> With the relief as parameter, the reliefs of &relief are not used.
+  pure logical function uses(self, which)
+    class(branches_task_t), intent(in) :: self
+    integer, intent(in) :: which                 !< index of the stage in `stage`
+
+    uses = any(self%needs == which)
+    if (which == stage%amounts) uses = self%parameter /= vary_relief
+  end function uses
+
+  subroutine read_keys(self, reader, error)
+    class(branches_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: far = 1e9_dp
+    character(:), allocatable :: parameter
+    logical :: has_rpm
+    integer :: i
+
+    parameter = trim(parameter_names(self%parameter))
+    call reader%add_group(group, 'The task branches, over a range of speed or of another number of the case.')
+    call reader%get(group, 'parameter', parameter, error, tasks=group, allowed=parameter_names, &
+                    meaning='over what the branches are followed: speed, damping ratio, relief or load, in the unit of its name')
+    if (allocated(error)) return
+    do i = 1, size(parameter_names)
+      if (parameter_names(i) == parameter) self%parameter = i
+    end do
+    call reader%get(group, 'first', self%range(1), error, required=.true., tasks=group, at_least=0.0_dp, below=far, &
+                    meaning='where the range of the parameter begins; above 0 for rpm and load')
+    call reader%get(group, 'last', self%range(2), error, required=.true., tasks=group, above=0.0_dp, at_most=far, &
+                    meaning='where it ends')
+    call reader%get(group, 'rpm', self%rpm, error, unit='1/min', tasks=group, given=has_rpm, at_least=1e-6_dp, at_most=far, &
+                    otherwise='parameter = ''rpm'': none', meaning='speed where another number is the parameter')
+    call self%read_reliefs(reader, group, error)
+    call reader%get(group, 'most_periods', self%most_periods, error, tasks=group, at_least=1, at_most=64, &
+                    meaning='mesh periods after which the motions repeat, at most')
+    call reader%get(group, 'seeds', self%seeds, error, tasks=group, at_least=1, at_most=10000, &
+                    meaning='values over the range, its ends among them, at which attracting motions are looked for at first')
+    call reader%get(group, 'points', self%points, error, tasks=group, at_least=10, at_most=100000, &
+                    meaning='points of a branch over the whole range, at least')
+    self%range = self%range*number_units(self%parameter)
+    if (.not. allocated(error) .and. self%range(2) > 0) call check_range(self, has_rpm, error)
+  end subroutine read_keys
+
+  !> Checks range and speed against the parameter.
+  pure subroutine check_range(self, has_rpm, error)
+    class(branches_task_t), intent(in) :: self
+    logical, intent(in) :: has_rpm
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (self%parameter /= vary_rpm) then
+      if (.not. has_rpm) call fail(error, code_input, '&branches parameter = '''// &
+        trim(parameter_names(self%parameter))//''': needs rpm, the speed')
+    else if (has_rpm) then
+      call fail(error, code_input, '&branches rpm: the speed is the parameter; its range is first to last')
+    end if
+    if (self%parameter == vary_relief .and. allocated(self%own_relief)) &
+      call fail(error, code_input, '&branches relief_um: the relief is the parameter; its range is first to last')
+    associate (shown => self%range/number_units(self%parameter))
+      if (.not. shown(1) < shown(2)) call fail(error, code_input, '&branches last = '//str(shown(2))//': must be above first = '// &
+                                               str(shown(1)))
+      if (any(self%parameter == [vary_rpm, vary_force]) .and. .not. shown(1) > 0) &
+        call fail(error, code_input, '&branches first = '//str(shown(1))//': must be above 0 where parameter is rpm or load')
+    end associate
+  end subroutine check_range
+
+  !> Number of the parameter values at which motions are searched.
+  integer function count_points(self, stages) result(points)
+    class(branches_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+    integer, allocatable :: which(:)
+
+    points = self%seeds
+    if (.not. self%uses(stage%amounts)) return
+    call self%list_reliefs(stages, which)
+    points = points*size(which)
+  end function count_points
+
+  subroutine run(self, stages, error)
+    class(branches_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    type(branch_set_t), allocatable :: found(:)
+    integer, allocatable :: which(:)
+    integer :: i, total
+    logical :: stopped
+
+    which = [1]
+    if (self%uses(stage%amounts)) call self%list_reliefs(stages, which)
+    allocate (found(size(which)))
+    do i = 1, size(which)
+      call make_family(self, stages, stages%amount(which(i)), found(i)%family, error)
+      if (allocated(error)) return
+      call find_branches(found(i)%family, options_of(self, stages), found(i)%branch, found(i)%unresolved, stopped, error)
+      if (allocated(error) .or. stopped) return
+      call stages%running%tell(self%seeds, stages%accuracy%steady%stop)
+    end do
+    call fill_branches(found, self%tables(self%place('branches')), error)
+    call fill_points(found, self%tables(self%place('branch_points')), error)
+    call fill_changes(found, self%tables(self%place('branch_changes')), error)
+    if (allocated(error)) return
+    self%failed = sum(found%unresolved)
+    self%is_done = .true.
+    total = sum([(size(found(i)%branch), i=1, size(found))])
+    self%log = 'branches: '//str(total)//' branches from motions at '//str(self%seeds*size(which))//' places'
+  end subroutine run
+
+  type(branch_search_options_t) function options_of(self, stages) result(options)
+    class(branches_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+
+    options%seeds = self%seeds
+    options%follow = follow_options_t(longest=width/self%points, most_points=max(5000, 50*self%points), &
+                                      stop=stages%accuracy%steady%stop)
+    options%search = attractor_options_t(most_cycles=500, most_periods=self%most_periods)
+    options%search%accuracy%steady%stop = stages%accuracy%steady%stop
+  end function options_of
+
+  !> Builds the family of the case with this relief (m), over the parameter.
+  subroutine make_family(self, stages, relief, family, error)
+    class(branches_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+    real(dp), intent(in) :: relief
+    type(case_family_t), intent(out) :: family
+    type(error_t), allocatable, intent(inout) :: error
+
+    call make_case_family(case_variation_t(stages%motions_inputs, relief, self%rpm), self%parameter, self%range, family, error)
+  end subroutine make_family
+
+  pure subroutine add_report(self, lines)
+    class(branches_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    character(:), allocatable :: name
+    integer :: i
+
+    name = trim(parameter_names(self%parameter))
+    associate (branches => self%tables(self%place('branches')), changes => self%tables(self%place('branch_changes')))
+      call lines%add('')
+      call lines%add('Branches of periodic motions over '//name//', from motions at '//str(self%seeds)//' places')
+      call lines%add('    branch   periods         least       largest  largest DF   ends')
+      do i = 1, min(branches%rows, most_rows)
+        call lines%add(right(str(nint(branches%number('branch', i))), 10)// &
+                       right(str(nint(branches%number('mesh_periods', i))), 10)// &
+                       right(str(branches%number('least', i), 7), 14)//right(str(branches%number('largest', i), 7), 14)// &
+                       factor_in(branches%number('largest_dynamic_factor', i))//'     '// &
+                       trim(branches%word('first_end', i))//', '//trim(branches%word('last_end', i)))
+      end do
+      call add_rest(branches%rows, branches%name, lines)
+      call lines%add('    branch   change at '//left(name, 19)//'DF')
+      do i = 1, min(changes%rows, most_rows)
+        call lines%add(right(str(nint(changes%number('branch', i))), 10)//'   '//left(trim(changes%word('kind', i)), 10)// &
+                       left(str(changes%number(name, i), 10), 15)//factor_in(changes%number('dynamic_factor', i)))
+      end do
+      call add_rest(changes%rows, changes%name, lines)
+    end associate
+  end subroutine add_report
+end module gearsweep_nonlinear_task_branches

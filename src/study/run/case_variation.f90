@@ -1,0 +1,133 @@
+!> Variation of a case by its numbers: their names, units and values, and the oscillator that they lead to.
+module gearsweep_study_run_case_variation
+  use gearsweep_base, only: dp, error_t
+  use gearsweep_motion, only: mesh_period, oscillator_t
+  use gearsweep_study_run_inputs, only: motions_inputs_t
+  use gearsweep_study_run_motions, only: build_motion
+  implicit none
+  private
+  public :: case_variation_t, with_relief
+
+  integer, parameter, public :: vary_rpm = 1, vary_damping = 2, vary_relief = 3, vary_force = 4, vary_friction = 5, &
+    vary_mass(2) = [6, 7], vary_stiffness = 8, vary_amount(2) = [9, 10], vary_start(2) = [11, 12], vary_profile = 13, &
+    vary_backlash = 14
+  !> Names of the numbers, as keys and columns have them.
+  character(*), parameter, public :: number_names(14) = [character(20) :: 'rpm', 'damping_ratio', 'relief_um', 'normal_force_n', &
+    'friction', 'pinion_mass_kg', 'gear_mass_kg', 'stiffness_factor', 'pinion_relief_um', 'gear_relief_um', 'pinion_relief_start', &
+    'gear_relief_start', 'profile_factor', 'backlash_um']
+  !> SI value of one unit of each number.
+  real(dp), parameter, public :: number_units(14) = [1.0_dp, 1.0_dp, 1e-6_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1e-6_dp, &
+                                                     1e-6_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1e-6_dp]
+
+  type :: case_variation_t
+    type(motions_inputs_t) :: inputs
+    real(dp) :: relief = 0                       !< amount, which the fractions of `inputs` multiply, m
+    real(dp) :: rpm = 0                          !< speed of the pinion, 1/min
+  contains
+    procedure :: number, set, set_reliefs, build, duration
+  end type case_variation_t
+
+contains
+
+  !> Value of a number in SI units: for the start of the relief its shift from that of the case, for factors 1.
+  pure real(dp) function number(self, which)
+    class(case_variation_t), intent(in) :: self
+    integer, intent(in) :: which
+    real(dp) :: all(size(number_names))
+
+    associate (motion => self%inputs%motion)
+      all = [self%rpm, motion%damping_ratio, self%relief, motion%load, motion%friction, motion%mass, 1.0_dp, &
+             self%relief*motion%relief%fraction, motion%relief%shift, 1.0_dp, motion%backlash]
+    end associate
+    number = all(which)
+  end function number
+
+  !> Sets a number of the case to another value. The stiffness changes as by another modulus of elasticity: pair compliance, shared
+  !> compliance and compliance of the bodies by the same factor.
+  pure subroutine set(self, which, value)
+    class(case_variation_t), intent(inout) :: self
+    integer, intent(in) :: which
+    real(dp), intent(in) :: value
+    real(dp) :: amount(2)
+
+    associate (motion => self%inputs%motion)
+      select case (which)
+      case (vary_rpm)
+        self%rpm = value
+      case (vary_damping)
+        motion%damping_ratio = value
+      case (vary_relief)
+        self%relief = value
+      case (vary_force)
+        motion%load = value
+      case (vary_friction)
+        motion%friction = value
+      case (vary_stiffness)
+        call stiffen(value, self%inputs)
+      case (vary_profile)
+        self%inputs%profile_error%coef = value*self%inputs%profile_error%coef
+      case (vary_backlash)
+        motion%backlash = value
+      case default
+        ! The relief of one of the gears.
+        amount = self%relief*motion%relief%fraction
+        where (vary_amount == which) amount = value
+        if (any(vary_amount == which)) call self%set_reliefs(amount)
+        where (vary_mass == which) motion%mass = value
+        where (vary_start == which) motion%relief%shift = value
+      end select
+    end associate
+  end subroutine set
+
+  !> Sets the amounts of relief at the tips of pinion and gear (m).
+  pure subroutine set_reliefs(self, amount)
+    class(case_variation_t), intent(inout) :: self
+    real(dp), intent(in) :: amount(2)
+
+    self%inputs%motion%relief%fraction = amount
+    self%relief = merge(1.0_dp, 0.0_dp, any(amount > 0))
+  end subroutine set_reliefs
+
+  subroutine build(self, osc, error)
+    class(case_variation_t), intent(in) :: self
+    type(oscillator_t), intent(out) :: osc
+    type(error_t), allocatable, intent(out) :: error
+
+    call build_motion(self%inputs, self%relief, osc, error)
+  end subroutine build
+
+  !> Duration of the mesh period, s.
+  pure real(dp) function duration(self)
+    class(case_variation_t), intent(in) :: self
+
+    duration = mesh_period(self%inputs%motion%teeth(1), self%rpm)
+  end function duration
+
+  !> Builds the oscillator of a case with another amount of relief (m), for `find_optimum`; `context` is the case.
+  subroutine with_relief(context, amount, motion, error)
+    class(*), intent(in) :: context
+    real(dp), intent(in) :: amount
+    type(oscillator_t), intent(out) :: motion
+    type(error_t), allocatable, intent(out) :: error
+
+    select type (context)
+    type is (motions_inputs_t)
+      call build_motion(context, amount, motion, error)
+    end select
+  end subroutine with_relief
+
+  pure subroutine stiffen(factor, inputs)
+    real(dp), intent(in) :: factor
+    type(motions_inputs_t), intent(inout) :: inputs
+
+    inputs%stiffness%coef = factor*inputs%stiffness%coef
+    associate (motion => inputs%motion, disc => inputs%motion%disc)
+      motion%flattening = motion%flattening%scaled(1/factor)
+      disc%turn = disc%turn/factor
+      disc%shared = disc%shared/factor
+      disc%change = disc%change/factor
+      disc%decline = disc%decline/factor
+      disc%twist = disc%twist/factor
+    end associate
+  end subroutine stiffen
+end module gearsweep_study_run_case_variation
