@@ -22,12 +22,15 @@ module gearsweep_motion_optimum
     integer, allocatable :: failed(:)            !< speeds without a result; (relief)
     !> True if only some speeds were tried, as these show that the relief is not the best; (relief)
     logical, allocatable :: is_bound(:)
+    logical, allocatable :: repeats(:)           !< true if the motions at all speeds tried repeat in each mesh period; (relief)
     integer :: best = 0                          !< index of the minimum; 0 if every relief failed
     real(dp) :: resolution = 0                   !< largest distance of the best from the true optimum, m
     logical :: stopped = .false.                 !< true: the caller stopped the search, the curve is incomplete
   end type optimum_t
 
   integer, parameter :: scan = 16, inner = 6, rounds = 4
+  !> Reliefs of the scan swept at once.
+  integer, parameter :: at_once = 4
   !> Largest number of reliefs tried.
   integer, parameter, public :: most_tried = 1 + scan + rounds*inner
 
@@ -116,7 +119,8 @@ contains
   end function worst_of
 
   !> Finds the relief whose worst dynamic factor over the speeds is least: a scan, then finer and finer scans around the best one,
-  !> which do not need a smooth curve.
+  !> which do not need a smooth curve. Motions that do not repeat in each mesh period are expensive to find: from the first relief
+  !> with one on, the scan drops a relief at the first speed that rules it out.
   subroutine find_optimum(build, context, largest, rpm, options, optimum, error, progress)
     procedure(build_motion) :: build                       !< builds the oscillator of a relief
     class(*), intent(in) :: context                        !< passed to `build`
@@ -133,13 +137,17 @@ contains
     ! A dynamic factor to 1e-5 locates the optimum far more exactly than it can be made.
     rough = options
     rough%accuracy%steady%tolerance = max(options%accuracy%steady%tolerance, 1e-5_dp)
-    allocate (optimum%amount(0), optimum%dynamic_factor(0), optimum%rpm(0), optimum%failed(0), optimum%is_bound(0))
-    call add_reliefs([(largest*i/scan, i=0, scan)])
+    allocate (optimum%amount(0), optimum%dynamic_factor(0), optimum%rpm(0), optimum%failed(0), optimum%is_bound(0), &
+              optimum%repeats(0))
+    do round = 0, scan/at_once - 1
+      call add_reliefs([(largest*i/scan, i=at_once*round + min(round, 1), at_once*(round + 1))], in_scan=.true.)
+      if (allocated(error) .or. optimum%stopped) return
+    end do
     do round = 1, rounds
       if (allocated(error) .or. optimum%best == 0 .or. optimum%stopped) return
       low = optimum%amount(max(1, optimum%best - 1))
       high = optimum%amount(min(size(optimum%amount), optimum%best + 1))
-      call add_reliefs([(low + (high - low)*i/(inner + 1.0_dp), i=1, inner)])
+      call add_reliefs([(low + (high - low)*i/(inner + 1.0_dp), i=1, inner)], in_scan=.false.)
     end do
     associate (amount => optimum%amount, best => optimum%best)
       if (best > 0) optimum%resolution = max(amount(best) - amount(max(1, best - 1)), &
@@ -148,10 +156,11 @@ contains
 
   contains
 
-    subroutine add_reliefs(amount)
+    subroutine add_reliefs(amount, in_scan)
       real(dp), intent(in) :: amount(:)
-      type(oscillator_t), allocatable :: motion(:), left(:)
-      logical :: is_left(size(amount))
+      logical, intent(in) :: in_scan
+      type(oscillator_t), allocatable :: motion(:), remaining(:)
+      logical :: may_be_best(size(amount))
       integer :: i
 
       if (allocated(error)) return
@@ -161,50 +170,56 @@ contains
         if (allocated(error)) return
       end do
       do i = 1, size(amount)
-        call try_some_speeds(motion(i:i), amount(i), rpm, rough, optimum, is_left(i), error)
+        may_be_best(i) = .true.
+        if (in_scan .and. all(optimum%repeats)) cycle
+        call try_some_speeds(motion(i:i), amount(i), rpm, rough, optimum, may_be_best(i), error)
         if (allocated(error) .or. optimum%stopped) return
       end do
-      rough%done_before = rough%done_before + count(.not. is_left)*size(rpm)
-      if (.not. any(is_left)) return
-      allocate (left(count(is_left)))
-      left(:) = motion(pack([(i, i=1, size(amount))], is_left))
-      call try_all_speeds(left, pack(amount, is_left), rpm, rough, optimum, error, progress)
-      rough%done_before = rough%done_before + size(left)*size(rpm)
+      rough%done_before = rough%done_before + count(.not. may_be_best)*size(rpm)
+      if (.not. any(may_be_best)) return
+      allocate (remaining(count(may_be_best)))
+      remaining(:) = motion(pack([(i, i=1, size(amount))], may_be_best))
+      call try_all_speeds(remaining, pack(amount, may_be_best), rpm, rough, optimum, error, progress)
+      rough%done_before = rough%done_before + size(remaining)*size(rpm)
     end subroutine add_reliefs
   end subroutine find_optimum
 
   !> Tries the speeds around the worst one of the nearest relief: if they are worse than the best relief at its worst speed, this
-  !> relief is not the best.
-  subroutine try_some_speeds(motion, amount, rpm, options, optimum, is_left, error)
+  !> relief is not the best. Where a motion of the nearest relief does not repeat, tries the worst speed alone first.
+  subroutine try_some_speeds(motion, amount, rpm, options, optimum, may_be_best, error)
     type(oscillator_t), intent(in) :: motion(1)
     real(dp), intent(in) :: amount, rpm(:)
     type(sweep_options_t), intent(in) :: options
     type(optimum_t), intent(inout) :: optimum
-    logical, intent(out) :: is_left              !< true: the relief may still be the best
+    logical, intent(out) :: may_be_best              !< true: the relief may still be the best
     type(error_t), allocatable, intent(inout) :: error
     integer, parameter :: some = 8
     type(sweep_options_t) :: alone
     type(sweep_t) :: sweep
     type(peak_t) :: worst
-    integer :: nearest, first
+    integer :: nearest, worst_speed, first, last, try
 
-    is_left = .true.
+    may_be_best = .true.
     if (optimum%best == 0 .or. size(rpm) <= some) return
     nearest = minloc(abs(optimum%amount - amount), 1, mask=optimum%rpm > 0)
-    first = max(1, min(minloc(abs(rpm - optimum%rpm(nearest)), 1) - some/2, size(rpm) - some + 1))
+    worst_speed = minloc(abs(rpm - optimum%rpm(nearest)), 1)
     alone = options
     alone%direction = each
     alone%is_counted = .false.
-    call run_sweep(motion, rpm(first:first + some - 1), alone, sweep, error)
-    if (allocated(error)) return
-    optimum%stopped = any(sweep%status == status_stopped)
-    if (optimum%stopped) return
-    worst = worst_of(sweep%rpm, sweep%dynamic_factor(:, 1))
-    if (.not. worst%rpm > 0) return
-    if (.not. worst%dynamic_factor > optimum%dynamic_factor(optimum%best) + &
-             2*options%accuracy%steady%tolerance) return
-    is_left = .false.
-    call insert(optimum, amount, worst, count(ieee_is_nan(sweep%dynamic_factor)), .true.)
+    do try = merge(2, 1, optimum%repeats(nearest)), 2
+      first = merge(worst_speed, max(1, min(worst_speed - some/2, size(rpm) - some + 1)), try == 1)
+      last = merge(worst_speed, first + some - 1, try == 1)
+      call run_sweep(motion, rpm(first:last), alone, sweep, error)
+      if (allocated(error)) return
+      optimum%stopped = any(sweep%status == status_stopped)
+      if (optimum%stopped) return
+      worst = worst_of(sweep%rpm, sweep%dynamic_factor(:, 1))
+      may_be_best = .not. (worst%rpm > 0 .and. worst%dynamic_factor > optimum%dynamic_factor(optimum%best) + &
+                       2*options%accuracy%steady%tolerance)
+      if (may_be_best) cycle
+      call insert(optimum, amount, worst, sweep, 1, is_bound=.true.)
+      return
+    end do
   end subroutine try_some_speeds
 
   !> Sweeps all speeds for some reliefs.
@@ -223,17 +238,17 @@ contains
     optimum%stopped = any(sweep%status == status_stopped)
     if (optimum%stopped) return
     do i = 1, size(amount)
-      call insert(optimum, amount(i), worst_of(rpm, sweep%dynamic_factor(:, i)), &
-                  count(ieee_is_nan(sweep%dynamic_factor(:, i))), .false.)
+      call insert(optimum, amount(i), worst_of(rpm, sweep%dynamic_factor(:, i)), sweep, i, is_bound=.false.)
     end do
   end subroutine try_all_speeds
 
   !> Inserts a relief, keeping them ascending; one that exists already is ignored.
-  pure subroutine insert(optimum, amount, worst, failed, is_bound)
+  pure subroutine insert(optimum, amount, worst, sweep, relief, is_bound)
     type(optimum_t), intent(inout) :: optimum
     real(dp), intent(in) :: amount
     type(peak_t), intent(in) :: worst
-    integer, intent(in) :: failed
+    type(sweep_t), intent(in) :: sweep
+    integer, intent(in) :: relief                !< index of the relief in the sweep
     logical, intent(in) :: is_bound              !< some speeds that may be worst were not tried
     integer :: n
 
@@ -242,7 +257,9 @@ contains
     optimum%amount = [optimum%amount(:n), amount, optimum%amount(n + 1:)]
     optimum%dynamic_factor = [optimum%dynamic_factor(:n), worst%dynamic_factor, optimum%dynamic_factor(n + 1:)]
     optimum%rpm = [optimum%rpm(:n), worst%rpm, optimum%rpm(n + 1:)]
-    optimum%failed = [optimum%failed(:n), failed, optimum%failed(n + 1:)]
+    optimum%failed = [optimum%failed(:n), count(ieee_is_nan(sweep%dynamic_factor(:, relief))), optimum%failed(n + 1:)]
+    optimum%repeats = [optimum%repeats(:n), all(sweep%periods(:, relief) <= 1 .and. sweep%seen_periods(:, relief) == 0), &
+                       optimum%repeats(n + 1:)]
     optimum%is_bound = [optimum%is_bound(:n), is_bound, optimum%is_bound(n + 1:)]
     optimum%best = minloc(optimum%dynamic_factor, 1, mask=optimum%rpm > 0 .and. .not. optimum%is_bound)
   end subroutine insert
