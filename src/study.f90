@@ -16,42 +16,34 @@ module gearsweep_study
     task_info_t, task_length, task_slot_t, task_t
   ! Changes one key in the text of a case; all other text, comments included, remains unchanged.
   use gearsweep_study_reader_edit, only: change_key, change_keys
-  ! Groups, keys and values of a namelist text, in the order of the text.
-  use gearsweep_study_reader_entries, only: name_length, namelist_t
   ! Keys of a format.
   use gearsweep_study_reader_keys, only: key_t, keys_t, kind_logical, kind_number, kind_text
   ! Splits Fortran namelist text into groups, keys and values.
-  use gearsweep_study_reader_namelist, only: parse_namelist
+  use gearsweep_study_reader_namelist, only: name_length, namelist_t, parse_namelist
   ! Reads typed values from namelist text, each with its unit, its bounds and one clear error.
-  use gearsweep_study_reader_reader, only: open_list, open_reader, reader_t
-  ! Applicability of a key.
-  use gearsweep_study_reader_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, open_list, open_reader, reader_t, &
+    sentence_length, unless
   ! Reads the values of a namelist entry as numbers, words and texts, with one clear error.
   use gearsweep_study_reader_values, only: tell_number
-  ! Table of printed values and computed ones.
-  use gearsweep_study_results_published_table, only: published_table
   ! Report for the screen.
   use gearsweep_study_results_report, only: failed_points, report, write_report
   ! Results of the tasks of a study, by the names of tables and columns.
-  use gearsweep_study_results_results, only: column_of, get_result
+  use gearsweep_study_results_results, only: column_of, get_result, published_table
   ! Variation of a case by its numbers.
-  use gearsweep_study_run_case_variation, only: case_variation_t, number_names, number_units, vary_amount, vary_backlash, &
-    vary_damping, vary_force, vary_friction, vary_mass, vary_profile, vary_relief, vary_rpm, vary_start, vary_stiffness
+  use gearsweep_study_run_case_variation, only: case_variation_t, number_names, number_units, relief_start, vary_amount, &
+    vary_backlash, vary_damping, vary_force, vary_friction, vary_mass, vary_profile, vary_relief, vary_rpm, vary_start, &
+    vary_stiffness
   ! Files and folders by name.
   use gearsweep_study_run_files, only: check_folder, check_name, fail_system, file_set_t, folder_of, make_folder, read_text, &
     remove_folder
   ! Cache keys of the stages of a study.
   use gearsweep_study_run_inputs, only: motions_inputs_t
-  ! Builds the oscillator from a mesh and an amount of tip relief.
-  use gearsweep_study_run_motions, only: relief_start
   ! Texts, limits and helpers of the tables of several tasks.
   use gearsweep_study_run_points, only: add_rest, add_seen, factor_in, known_count, most_rows, of_coast, of_dte_estimate, &
     of_dte_range, of_dte_rms, of_estimate, of_factor, of_motions, of_periods, of_relief, of_speed, of_status, status_length, &
     words_of
-  ! Data of a study.
-  use gearsweep_study_run_products, only: study_t
   ! Products of the stages that several tasks use, the section of a gear among them, and the type of a task that can be run.
-  use gearsweep_study_run_stages, only: runnable_t, stages_t
+  use gearsweep_study_run_stages, only: runnable_t, stages_t, study_t
   ! A study: from a case to its results, stage by stage.
   use gearsweep_study_run_study, only: run_study
   ! The task `deflection_relief`.

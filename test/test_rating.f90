@@ -8,7 +8,7 @@ module test_rating
   use gearsweep_gear_gear, only: coast, drive
   use gearsweep_motion_oscillator, only: oscillator_t
   use gearsweep_study_case_published, only: published_t, read_published
-  use gearsweep_study_results_published_table, only: our_value
+  use gearsweep_study_results_results, only: our_value
   use gearsweep_rating_root_rating, only: rate_root, root_rating_t
   use gearsweep_mesh_sharing, only: load_share
   use gearsweep_study_run_study, only: run_study, study_t

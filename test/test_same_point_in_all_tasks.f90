@@ -8,7 +8,7 @@ module test_same_point_in_all_tasks
   use gearsweep_base_error, only: error_t
   use gearsweep_motion_error_estimate, only: accuracy_t, point_t
   use gearsweep_base_kinds, only: dp
-  use gearsweep_study_run_motions, only: build_motion
+  use gearsweep_study_run_case_variation, only: build_motion
   use gearsweep_motion_oscillator, only: oscillator_t
   use gearsweep_motion_response, only: response_t
   use gearsweep_motion_steady_motion, only: has_result

@@ -19,15 +19,14 @@ module test_table_filling
   use gearsweep_motion_mesh_torque, only: find_torque, mesh_torque_t
   use gearsweep_elastic_modal_response, only: motion_record_t
   use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
-  use gearsweep_study_tasks_optimum_tables, only: fill_best, fill_curve
+  use gearsweep_study_tasks_optimum, only: fill_best, fill_curve
   use gearsweep_gear_pair, only: pair_t
   use gearsweep_study_tasks_relief_judge, only: amount_curve_t, errors_t, judge_t
   use gearsweep_study_run_study, only: run_study, study_t
   use gearsweep_api_tables, only: column_of, make_table
   use gearsweep_base_text, only: str
   use gearsweep_elastic_tooth_modes, only: along, moved_x, moved_y, per_point, tooth_modes_t
-  use gearsweep_study_tasks_load_torque, only: fill_points_of_torque => fill_points, fill_time, fill_torque => fill_harmonics, &
-            torque_run_t
+  use gearsweep_study_tasks_load, only: fill_torque, fill_torque_harmonics, fill_torque_points, torque_run_t
   use gearsweep_motion_trace, only: record, trace_t
   use gearsweep_study_tasks_transient, only: fill_histories, fill_peaks, fill_points, tooth_run_t
   use dogan_gears, only: dogan_pair
@@ -243,7 +242,7 @@ contains
       one(1)%half(i)%mean = 1000.5_dp
       one(1)%half(i)%amplitude(2) = 21
     end do
-    call fill_torque(one, radius, table, error)
+    call fill_torque_harmonics(one, radius, table, error)
     call check_no_error(t, 'harmonics of a torque', error)
     call check_close(t, 'error of the mean', table%number('gear_error_nm', 1), radius(2)*(0.5_dp + open), 1e-12_dp)
     call check_close(t, 'error of a harmonic', table%number('pinion_error_nm', 3), radius(1)*(1 + open), 1e-12_dp)
@@ -283,8 +282,8 @@ contains
         half(i)%largest = 1200.5_dp
       end do
     end associate
-    call fill_time(one, radius, times, error)
-    call fill_points_of_torque(one, 1, radius, points, error)
+    call fill_torque(one, radius, times, error)
+    call fill_torque_points(one, 1, radius, points, error)
     call check_no_error(t, 'tables of a torque', error)
     call check_close(t, 'torque of the pinion', times%number('pinion_torque_nm', 1), 0.03_dp*978)
     call check_close(t, 'torque of the gear', times%number('gear_torque_nm', 2), 0.05_dp*1044)

@@ -6,7 +6,7 @@ module gearsweep_study_case_case
   use gearsweep_mesh, only: iso_options_t
   use gearsweep_motion, only: accuracy_t, both
   use gearsweep_study_case_task, only: sentence_of, stage, task_slot_t
-  use gearsweep_study_reader_uses, only: sentence_length, unless
+  use gearsweep_study_reader_reader, only: sentence_length, unless
   implicit none
   private
   public :: case_t, for_iso, for_stage, speed_count, speeds

@@ -7,8 +7,7 @@ module gearsweep_study_case_gear_keys
   use gearsweep_elastic, only: material_t
   use gearsweep_study_case_case, only: case_t, for_iso, for_stage
   use gearsweep_study_case_task, only: sentence_of, stage
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: first_of, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_of, needs_gears, reader_t, sentence_length, unless
   implicit none
   private
   public :: read_materials, read_section, read_pair, read_gear, read_direction

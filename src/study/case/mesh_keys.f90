@@ -6,8 +6,7 @@ module gearsweep_study_case_mesh_keys
     scheme_rk4, scheme_rk4_equal, up
   use gearsweep_study_case_case, only: case_t, for_iso, for_stage
   use gearsweep_study_case_task, only: stage, task_length, task_slot_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: first_of, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_of, needs_gears, reader_t, sentence_length, unless
   implicit none
   private
   public :: read_model, read_load, read_relief, read_path, read_dynamics, read_sweep, read_numerics

@@ -7,8 +7,7 @@ module gearsweep_study_case_task
   use gearsweep_base, only: code_input, dp, error_t, fail, lines_t, str, table_t
   use gearsweep_gear, only: gear_spec_t
   use gearsweep_elastic, only: grid_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: sentence_length
+  use gearsweep_study_reader_reader, only: reader_t, sentence_length
   implicit none
   private
   public :: task_t, task_info_t, task_slot_t, case_facts_t, check_reliefs, needs_moving, sentence_of, split_names

@@ -3,7 +3,7 @@ module gearsweep_study_results_report
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_base, only: dp, error_t, left, lines_t, right, str, table_t
   use gearsweep_study_results_motion_table, only: add_motion
-  use gearsweep_study_results_published_table, only: published_table
+  use gearsweep_study_results_results, only: published_table
   use gearsweep_study_run_study, only: study_t
   implicit none
   private

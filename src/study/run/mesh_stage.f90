@@ -8,8 +8,8 @@ module gearsweep_study_run_mesh_stage
   use gearsweep_study_case_case, only: case_t
   use gearsweep_study_run_files, only: beside, read_text
   use gearsweep_study_run_inputs, only: elements_inputs_t, motion_inputs_t, motions_inputs_t, relief_inputs_t, same
-  use gearsweep_study_run_motions, only: build_motion
-  use gearsweep_study_run_products, only: study_t
+  use gearsweep_study_run_case_variation, only: build_motion
+  use gearsweep_study_run_stages, only: study_t
   implicit none
   private
   public :: build_pair, name_load, pressure_at_pitch, rim_teeth, rims, mesh_and_motion

@@ -8,11 +8,13 @@ module gearsweep_study_run_stages
   use gearsweep_elastic, only: make_two_grids, material_t, modal_t, section_body_t, section_modes, teeth_t
   use gearsweep_mesh, only: iso_options_t, mesh_t
   use gearsweep_motion, only: accuracy_t, all_motions, both, counter_t, each, oscillator_t, progress_of_sweep, sweep_options_t
-  use gearsweep_study_case_task, only: stage, task_t
+  use gearsweep_study_case_case, only: case_t
+  use gearsweep_study_case_published, only: published_t
+  use gearsweep_study_case_task, only: stage, task_slot_t, task_t
   use gearsweep_study_run_inputs, only: body_inputs_t, elements_inputs_t, motions_inputs_t, solid_inputs_t
   implicit none
   private
-  public :: runnable_t, running_t, stages_t, points_of
+  public :: runnable_t, running_t, stages_t, points_of, study_t
 
   type :: gear_section_t
     type(section_body_t), allocatable :: bodies(:)  !< factored bodies on two grids
@@ -60,6 +62,15 @@ module gearsweep_study_run_stages
   contains
     procedure :: sweep_options, has_corners
   end type stages_t
+
+  !> Products and results of a case; those that it did not request are not allocated.
+  type, extends(stages_t) :: study_t
+    type(case_t) :: case
+    type(task_slot_t), allocatable :: tasks(:)   !< tasks with their results
+    type(published_t), allocatable :: published(:)  !< printed values for comparison
+    character(:), allocatable :: log             !< stages that ran and those that did not, a line each
+    logical :: stopped = .false.                 !< true if the caller ended the run: some requested result is missing
+  end type study_t
 
   !> Task that can be run.
   type, abstract, extends(task_t) :: runnable_t

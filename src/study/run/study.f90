@@ -11,8 +11,7 @@ module gearsweep_study_run_study
   use gearsweep_study_run_files, only: beside, read_text
   use gearsweep_study_run_inputs, only: body_inputs_t, choice_t, same, same_but_amounts, solid_inputs_t
   use gearsweep_study_run_mesh_stage, only: build_pair, mesh_and_motion
-  use gearsweep_study_run_products, only: study_t
-  use gearsweep_study_run_stages, only: points_of, runnable_t
+  use gearsweep_study_run_stages, only: points_of, runnable_t, study_t
   implicit none
   private
   public :: study_t, run_study

@@ -4,8 +4,7 @@ module gearsweep_study_run_unit_teeth
   use gearsweep_base, only: dp, error_t, pi
   use gearsweep_elastic, only: find_tooth_modes, tooth_modes_t
   use gearsweep_rating, only: damp_modes, damping_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: first_of, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_of, reader_t, sentence_length, unless
   use gearsweep_study_run_stages, only: stages_t
   implicit none
   private

@@ -12,11 +12,9 @@ module gearsweep_study_tasks_deflection_relief
     sweep_options_t, sweep_t, worst_of
   use gearsweep_rating, only: formula_deflection, formula_deflection_t, formula_relief
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: is_prescribed, needs_gears, sentence_length, unless
-  use gearsweep_study_run_case_variation, only: case_variation_t, with_relief
+  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_run_case_variation, only: case_variation_t, largest_relief, relief_start, with_relief
   use gearsweep_study_run_inputs, only: motions_inputs_t
-  use gearsweep_study_run_motions, only: largest_relief, relief_start
   use gearsweep_study_run_points, only: factor_in, factor_of, of_worst, speed_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none

@@ -9,8 +9,7 @@ module gearsweep_study_tasks_flank
   use gearsweep_rating, only: contact_t, even_load_factor, flank_contact, friction_rule_t, half_shares_factor, mean_friction, &
     surfaces_t
   use gearsweep_study_case_task, only: case_facts_t, check_reliefs, needs_moving, stage, task_info_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
   use gearsweep_study_run_flank_paths, only: angular, follow_motion, follow_static, path_t
   use gearsweep_study_run_points, only: add_several, find_motion, known_count, of_estimate, of_factor, of_motions, of_relief, &
     of_speed, of_status, words_of

@@ -6,8 +6,7 @@ module gearsweep_study_tasks_harmonic
   use gearsweep_elastic, only: along, find_peak, frequencies_around, moved_x, moved_y, per_point, response_to, stress_error_share, &
     tooth_modes_t
   use gearsweep_study_case_task, only: stage, task_info_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: is_prescribed, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, unless
   use gearsweep_study_run_points, only: add_rest, most_rows
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   use gearsweep_study_run_unit_teeth, only: find_unit_teeth, tooth_choice_t

@@ -9,8 +9,7 @@ module gearsweep_study_tasks_life
   use gearsweep_rating, only: by_gerber, by_goodman, by_iso, by_soderberg, contact_stress, curve_t, damage_of, dynamic_factor_a, &
     load_factors_t, material_length, no_grade, nominal_of, nominal_t, root_life, root_life_t, sn_curve, strength_t
   use gearsweep_study_case_task, only: case_facts_t, check_reliefs, gear_names, needs_moving, stage, task_info_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
   use gearsweep_study_run_case_variation, only: case_variation_t, vary_force
   use gearsweep_study_run_flank_paths, only: follow_motion, follow_static, path_t
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_motion, known_count, of_factor, &

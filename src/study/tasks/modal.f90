@@ -3,8 +3,7 @@ module gearsweep_study_tasks_modal
   use gearsweep_base, only: axis, dp, error_t, lines_t, right, str, table_t
   use gearsweep_elastic, only: modal_t
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: is_prescribed, needs_gears, unless
+  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, unless
   use gearsweep_study_run_grid_tables, only: add_section, fill_elements, fill_nodes, fill_section, grid_of_section
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none

@@ -15,8 +15,7 @@ module gearsweep_study_tasks_precision
     scheme_constant, scheme_rk4, scheme_rk4_equal, solve_point, status_inexact, status_name, status_ok
   use gearsweep_rating, only: outer_point
   use gearsweep_study_case_task, only: stage, task_info_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: is_prescribed, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, unless
   use gearsweep_study_run_inputs, only: elements_inputs_t
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none

@@ -14,8 +14,7 @@ module gearsweep_study_tasks_rating
     load_factors_t, material_length, method_b_t, no_grade, nominal_of, nominal_t, resonance_ratio, root_life_curve, root_number, &
     test_gear_correction, tooth_root_stress
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_point, known_count, of_estimate, &
     of_factor, of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t

@@ -7,9 +7,8 @@ module gearsweep_study_tasks_relief_judge
   use gearsweep_base, only: dp, error_t, no_number, wants_stop
   use gearsweep_mesh, only: find_harmonics, harmonics_t, static_range
   use gearsweep_motion, only: design_t, optimum_t, oscillator_t, starts_t, sweep_design, sweep_options_t
-  use gearsweep_study_run_case_variation, only: case_variation_t
+  use gearsweep_study_run_case_variation, only: case_variation_t, largest_relief, relief_start
   use gearsweep_study_run_inputs, only: motions_inputs_t
-  use gearsweep_study_run_motions, only: largest_relief, relief_start
   use gearsweep_study_run_stages, only: running_t
   implicit none
   private

@@ -7,8 +7,7 @@ module gearsweep_study_tasks_static
   use gearsweep_rating, only: find_stress_field, load_positions, load_radius, rate_root, root_options_t, root_rating_t, &
     shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path, stress_field_t
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
   use gearsweep_study_run_grid_tables, only: fill_elements, fill_nodes, fill_section, grid_of_section
   use gearsweep_study_run_inputs, only: same, unit_inputs_t
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks

@@ -8,8 +8,7 @@ module gearsweep_study_tasks_transient
   use gearsweep_rating, only: follow_tooth, load_places, look_t, pass_path, pass_static, passage_options_t, passage_t, &
     place_radius, shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path, tooth_transient_t
   use gearsweep_study_case_task, only: case_facts_t, check_reliefs, needs_moving, stage, task_info_t
-  use gearsweep_study_reader_reader, only: reader_t
-  use gearsweep_study_reader_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
   use gearsweep_study_run_points, only: add_several, find_motion, known_count, of_motions, of_relief, of_speed, of_status, &
     words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
