@@ -121,13 +121,35 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
+    integer :: i, before
 
     case%text = utf8(text)
-    call add_groups(reader)
+    ! The groups are in the order in which a case is written.
+    call reader%add_group('case', 'What the case is called and what to compute.')
+    call reader%add_group('pair', 'What the two gears have in common.')
+    call reader%add_group('pinion', 'The driving gear. Its tooth factors are in modules.')
+    call reader%add_group('gear', 'The driven gear. Its tooth factors are in modules.')
+    call reader%add_group('material', 'The material of both gears; a gear of another has keys of its own.')
+    call reader%add_group('load', 'The static load; exactly one of its keys.')
+    call reader%add_group('relief', 'Tip relief, which grows from its start to the tip. Without this group there is none.')
+    call reader%add_group('mesh', 'The stiffness of the pairs of teeth in mesh.')
+    call reader%add_group('section', 'The body behind the teeth, for finite elements.')
+    call reader%add_group('dynamics', 'Damping and friction of the motion.')
+    call reader%add_group('sweep', 'The speeds of the pinion.')
+    call reader%add_group('numerics', 'How exactly and by which method the motion is found; the defaults suit nearly every case.')
     call read_tasks(reader, case, error)
     call read_model(reader, case, error)
     call read_load(reader, case, error)
-    call read_own_keys(reader, case, error)
+    do i = 1, size(case%tasks)
+      associate (slot => case%tasks(i))
+        ! An absent group has no keys to read, or a brief reading ends with an error. A prescribed mesh changes the keys that tasks
+        ! use.
+        if (reader%is_brief .and. .not. (slot%is_wanted .or. case%prescribed .or. reader%has_group(slot%info%name))) cycle
+        before = reader%keys%asked
+        call slot%task%read_keys(reader, error)
+        call reader%keys%write_given(reader%list, before, slot%given)
+      end associate
+    end do
     call read_dynamics(reader, case, error)
     call read_sweep(reader, case, error)
     call read_numerics(reader, case, error)
@@ -147,31 +169,13 @@ contains
     call add_length_cautions(case)
   end subroutine read_all
 
-  !> Adds the groups in the order in which a case is written.
-  pure subroutine add_groups(reader)
-    type(reader_t), intent(inout) :: reader
-
-    call reader%add_group('case', 'What the case is called and what to compute.')
-    call reader%add_group('pair', 'What the two gears have in common.')
-    call reader%add_group('pinion', 'The driving gear. Its tooth factors are in modules.')
-    call reader%add_group('gear', 'The driven gear. Its tooth factors are in modules.')
-    call reader%add_group('material', 'The material of both gears; a gear of another has keys of its own.')
-    call reader%add_group('load', 'The static load; exactly one of its keys.')
-    call reader%add_group('relief', 'Tip relief, which grows from its start to the tip. Without this group there is none.')
-    call reader%add_group('mesh', 'The stiffness of the pairs of teeth in mesh.')
-    call reader%add_group('section', 'The body behind the teeth, for finite elements.')
-    call reader%add_group('dynamics', 'Damping and friction of the motion.')
-    call reader%add_group('sweep', 'The speeds of the pinion.')
-    call reader%add_group('numerics', 'How exactly and by which method the motion is found; the defaults suit nearly every case.')
-  end subroutine add_groups
-
   subroutine read_tasks(reader, case, error)
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(task_length), allocatable :: names(:)
-    character(:), allocatable :: tasks(:)
-    integer :: i
+    character(:), allocatable :: tasks(:), now
+    integer :: i, at
 
     case%title = ''
     call reader%get('case', 'title', case%title, error, meaning='printed above the results')
@@ -180,45 +184,17 @@ contains
     call list_tasks(case%tasks)
     names = [(case%tasks(i)%info%name, i=1, size(case%tasks))]
     allocate (tasks, source=[character(8) :: 'mesh', 'sweep'])
-    call refuse_former_tasks(reader, error)
+    at = reader%list%position('case', 'tasks')
+    if (at > 0) then
+      associate (values => reader%list%entries(at)%values)
+        do i = 1, size(values)
+          call find_former_task(lower(values(i)%text), now)
+          if (len(now) > 0) call fail(error, code_input, '&case tasks: '''//lower(values(i)%text)//''' is '//now)
+        end do
+      end associate
+    end if
     call reader%get('case', 'tasks', tasks, error, allowed=names, meaning='what to compute, and nothing else')
     call case%want(tasks)
     call reader%want(tasks)
   end subroutine read_tasks
-
-  !> Refuses tasks of earlier versions, with the task that writes their tables now.
-  subroutine refuse_former_tasks(reader, error)
-    type(reader_t), intent(in) :: reader
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: now
-    integer :: at, i
-
-    at = reader%list%position('case', 'tasks')
-    if (at == 0) return
-    associate (values => reader%list%entries(at)%values)
-      do i = 1, size(values)
-        call find_former_task(lower(values(i)%text), now)
-        if (len(now) > 0) call fail(error, code_input, '&case tasks: '''//lower(values(i)%text)//''' is '//now)
-      end do
-    end associate
-  end subroutine refuse_former_tasks
-
-  !> Reads the tasks' own keys.
-  subroutine read_own_keys(reader, case, error)
-    type(reader_t), intent(inout) :: reader
-    type(case_t), intent(inout) :: case
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i, before
-
-    do i = 1, size(case%tasks)
-      associate (slot => case%tasks(i))
-        ! An absent group has no keys to read, or a brief reading ends with an error. A prescribed mesh changes the keys that tasks
-        ! use.
-        if (reader%is_brief .and. .not. (slot%is_wanted .or. case%prescribed .or. reader%has_group(slot%info%name))) cycle
-        before = reader%keys%asked
-        call slot%task%read_keys(reader, error)
-        call reader%keys%write_given(reader%list, before, slot%given)
-      end associate
-    end do
-  end subroutine read_own_keys
 end module gearsweep_api_case_reader

@@ -318,8 +318,17 @@ contains
       names = '`'//trim(keys%key(i)%name)//'`'
       gear = twin_of(i, of_pinion, of_gear)
       if (gear > 0) names = names//', `'//trim(keys%key(gear)%name)//'`'
-      call list_default(keys%key(i), default)
-      call list_words(keys%key(i), words)
+      default = trim(default_of(keys%key(i)))
+      if (default == 'required') default = '**required**'
+      if (keys%key(i)%is_one_of) default = '**one of these**'
+      if (default == 'none') default = '-'
+      if (allocated(keys%key(i)%default) .and. len(keys%key(i)%otherwise) == 0 .and. default /= 'empty' .and. &
+          any(keys%key(i)%kind == [kind_logical, kind_text])) default = '`'//keys%key(i)%default//'`'
+      words = ''
+      if (allocated(keys%key(i)%words)) then
+        call keys%key(i)%list_allowed(words)
+        words = ' (`'//words//'`)'
+      end if
       call lines%add('| '//names//' | '//default//' | '//keys%key(i)%meaning//words//' |')
     end do
     text = lines%text()
@@ -340,28 +349,4 @@ contains
       end do
     end function twin_of
   end subroutine write_key_table
-
-  !> Writes the default of a key as a table of doc/case.md has it.
-  subroutine list_default(key, cell)
-    type(key_t), intent(in) :: key
-    character(:), allocatable, intent(out) :: cell
-
-    cell = trim(default_of(key))
-    if (cell == 'required') cell = '**required**'
-    if (key%is_one_of) cell = '**one of these**'
-    if (cell == 'none') cell = '-'
-    if (allocated(key%default) .and. len(key%otherwise) == 0 .and. cell /= 'empty' .and. &
-        any(key%kind == [kind_logical, kind_text])) cell = '`'//key%default//'`'
-  end subroutine list_default
-
-  !> Lists the words that a key may have, in brackets; empty for other keys.
-  subroutine list_words(key, text)
-    type(key_t), intent(in) :: key
-    character(:), allocatable, intent(out) :: text
-
-    text = ''
-    if (.not. allocated(key%words)) return
-    call key%list_allowed(text)
-    text = ' (`'//text//'`)'
-  end subroutine list_words
 end module gearsweep_api_help

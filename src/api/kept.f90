@@ -130,7 +130,12 @@ contains
         do k = 1, size(table%columns)
           if (k == 1) call lines%add(', "columns": [')
           if (k > 1) call lines%add(',')
-          call put_column(table%columns(k), lines)
+          call put_text('  {"name": ', table%columns(k)%name, lines)
+          call put_text(', "unit": ', table%columns(k)%unit, lines)
+          call put_text(', "meaning": ', table%columns(k)%meaning, lines)
+          call put_text(', "kind": ', trim(kind_names(table%columns(k)%kind)), lines)
+          call lines%put(', "index": '//str(table%columns(k)%is_index)//', "reproducible": '// &
+            str(table%columns(k)%is_reproducible)//'}')
         end do
         mark = ']},'
       end associate
@@ -138,17 +143,6 @@ contains
     call lines%add(merge(']}]', '[] ', mark /= '['))
     words = lines%text()
   end subroutine list_tables
-
-  pure subroutine put_column(column, lines)
-    type(column_t), intent(in) :: column
-    type(lines_t), intent(inout) :: lines
-
-    call put_text('  {"name": ', column%name, lines)
-    call put_text(', "unit": ', column%unit, lines)
-    call put_text(', "meaning": ', column%meaning, lines)
-    call put_text(', "kind": ', trim(kind_names(column%kind)), lines)
-    call lines%put(', "index": '//str(column%is_index)//', "reproducible": '//str(column%is_reproducible)//'}')
-  end subroutine put_column
 
   pure subroutine put_text(name, words, lines)
     character(*), intent(in) :: name, words

@@ -21,13 +21,24 @@ contains
     character(len(words)), allocatable :: tasks(:)
     type(keys_t) :: keys
     type(lines_t) :: lines
-    character(:), allocatable :: wanted
+    character(:), allocatable :: wanted, now
     logical :: opened, is_short
-    integer :: i, k
+    integer :: i, k, closest
+    character(task_length), allocatable :: names(:)
 
     is_short = any(words == option)
     tasks = pack(words, words /= option)
-    call check_tasks(tasks, error)
+    call list_task_names(names)
+    if (size(tasks) == 0) call fail(error, code_input, 'name at least one task; the tasks are '//join(names, ', '))
+    do i = 1, size(tasks)
+      if (any(names == tasks(i))) cycle
+      call find_former_task(trim(tasks(i)), now)
+      if (len(now) > 0) call fail(error, code_input, trim(tasks(i))//' is '//now)
+      closest = closest_word(trim(tasks(i)), names)
+      if (closest > 0) call fail(error, code_input, shown(trim(tasks(i)))//': no such task (did you mean '// &
+                                 trim(names(closest))//'?)')
+      call fail(error, code_input, shown(trim(tasks(i)))//': no such task; the tasks are '//join(names, ', '))
+    end do
     if (allocated(error)) return
     call list_keys(tasks, keys)
     wanted = ' '//join(tasks, ' ')//' '
@@ -65,6 +76,8 @@ contains
     character(*), intent(in) :: tasks(:)
     type(lines_t), intent(inout) :: lines
     character(:), allocatable :: line, remark, allowed, why
+    integer, parameter :: beside = 34, wide = 86
+    integer :: at
 
     why = key%refused
     if (len(why) == 0) why = key%lacks
@@ -86,45 +99,15 @@ contains
     if (len(key%otherwise) > 0) remark = remark//'; default: '//key%otherwise
     if (len(key%refused) > 0) remark = remark//'; '//why
     if (len(key%refused) == 0 .and. len(key%lacks) > 0) remark = remark//'; for '//why
-    call add_remark(line, remark//')', lines)
-  end subroutine add_key
-
-  !> Adds a line with a comment after it, which continues on the next lines.
-  subroutine add_remark(line, remark, lines)
-    character(*), intent(in) :: line, remark
-    type(lines_t), intent(inout) :: lines
-    integer, parameter :: beside = 34, wide = 86
-    character(:), allocatable :: rest
-    integer :: at
-
+    remark = remark//')'
+    ! The comment continues on the next lines.
     call lines%put(line//repeat(' ', max(0, beside - len(line))))
-    rest = remark
-    do while (len(rest) > wide)
-      at = index(rest(:wide), ' ', back=.true.)
-      call lines%add(' ! '//rest(:at - 1))
+    do while (len(remark) > wide)
+      at = index(remark(:wide), ' ', back=.true.)
+      call lines%add(' ! '//remark(:at - 1))
       call lines%put(repeat(' ', beside))
-      rest = '  '//rest(at + 1:)
+      remark = '  '//remark(at + 1:)
     end do
-    call lines%add(' ! '//rest)
-  end subroutine add_remark
-
-  subroutine check_tasks(tasks, error)
-    character(*), intent(in) :: tasks(:)
-    type(error_t), allocatable, intent(inout) :: error
-    character(task_length), allocatable :: names(:)
-    character(:), allocatable :: now
-    integer :: i, closest
-
-    call list_task_names(names)
-    if (size(tasks) == 0) call fail(error, code_input, 'name at least one task; the tasks are '//join(names, ', '))
-    do i = 1, size(tasks)
-      if (any(names == tasks(i))) cycle
-      call find_former_task(trim(tasks(i)), now)
-      if (len(now) > 0) call fail(error, code_input, trim(tasks(i))//' is '//now)
-      closest = closest_word(trim(tasks(i)), names)
-      if (closest > 0) call fail(error, code_input, shown(trim(tasks(i)))//': no such task (did you mean '// &
-                                 trim(names(closest))//'?)')
-      call fail(error, code_input, shown(trim(tasks(i)))//': no such task; the tasks are '//join(names, ', '))
-    end do
-  end subroutine check_tasks
+    call lines%add(' ! '//remark)
+  end subroutine add_key
 end module gearsweep_api_new_case

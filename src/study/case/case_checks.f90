@@ -14,26 +14,10 @@ contains
     type(case_t), intent(in) :: case
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: torques(:)
-    integer :: i
+    integer :: i, given
 
     allocate (torques(0))
     if (allocated(case%torques)) torques = case%torques
-    call check_load(case, error)
-    if (case%prescribed) call check_prescribed(case, error)
-    call check_relief(case, error)
-    if (.not. case%prescribed) call check_units(case, error)
-    call check_speeds(case, error)
-    do i = 1, size(case%tasks)
-      if (case%tasks(i)%is_wanted) call case%tasks(i)%task%check( &
-        case_facts_t(case%amount, case%spec, case%accuracy%scheme, torques), error)
-    end do
-  end subroutine check_case
-
-  subroutine check_load(case, error)
-    type(case_t), intent(in) :: case
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: given, i
-
     given = count([case%torque, case%normal_force, case%line_load] > 0)
     if (given > 1 .or. (given == 0 .and. case%needs(stage%mesh))) call fail(error, code_input, &
       '&load: give one of torque_nm (on the pinion), torques_nm, normal_force_n and line_load_n_mm; '//str(given)//' are given')
@@ -45,7 +29,20 @@ contains
       if (case%mass(i) > 0 .and. case%inertia(i) > 0) call fail(error, code_input, '&'//trim(case%spec(i)%name)// &
         ' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     end do
-  end subroutine check_load
+    if (case%prescribed) call check_prescribed(case, error)
+    if (all(case%fraction <= 0)) call fail(error, code_input, &
+      '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
+    if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &
+      '&relief length_mm: goes with start = ''length'' and only with it')
+    if (any(case%roll > 0 .neqv. (case%start == 'roll' .and. case%fraction > 0))) call fail(error, code_input, &
+      '&relief pinion_roll_deg, gear_roll_deg: go with start = ''roll'', one for each relieved gear')
+    if (.not. case%prescribed) call check_units(case, error)
+    call check_speeds(case, error)
+    do i = 1, size(case%tasks)
+      if (case%tasks(i)%is_wanted) call case%tasks(i)%task%check( &
+        case_facts_t(case%amount, case%spec, case%accuracy%scheme, torques), error)
+    end do
+  end subroutine check_case
 
   !> Refuses keys of a prescribed mesh that follow from gears.
   subroutine check_prescribed(case, error)
@@ -81,18 +78,6 @@ contains
       call fail(error, code_input, key//': missing; '//why//'; must be above 0')
     end subroutine need
   end subroutine check_prescribed
-
-  subroutine check_relief(case, error)
-    type(case_t), intent(in) :: case
-    type(error_t), allocatable, intent(inout) :: error
-
-    if (all(case%fraction <= 0)) call fail(error, code_input, &
-      '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
-    if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &
-      '&relief length_mm: goes with start = ''length'' and only with it')
-    if (any(case%roll > 0 .neqv. (case%start == 'roll' .and. case%fraction > 0))) call fail(error, code_input, &
-      '&relief pinion_roll_deg, gear_roll_deg: go with start = ''roll'', one for each relieved gear')
-  end subroutine check_relief
 
   !> Refuses lengths that no gear has, usually from a number in another unit than its key's.
   subroutine check_units(case, error)

@@ -138,8 +138,11 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: by_hand = 'needs a prescribed mesh (&mesh contact_ratio)'
-    character(sentence_length) :: made, lacks
+    character(sentence_length) :: made, lacks, geared
     logical :: relieves, slopes
+    character(*), parameter :: relieved = 'has the reliefs in it; remove the amounts above 0 and the task optimum'
+    character(*), parameter :: sharing = 'mesh, static, optimum, deflection_relief, precision or transient'
+    integer :: i
 
     made = unless(case%prescribed, by_hand)
     relieves = case%relieves()
@@ -160,19 +163,19 @@ contains
                     'a prescribed mesh uses it with friction, start = ''pitch'' or a profile slope deviation only; remove it')), &
                     otherwise='half the contact ratio', &
                     meaning='path coordinate s of the pitch point of a prescribed mesh, at most the contact ratio')
-    call read_beyond(reader, case, made, error)
-    call read_contact(reader, case, error)
-  end subroutine read_path
-
-  !> Reads the choices of the contact model for teeth: compliances and contact beyond the path.
-  subroutine read_contact(reader, case, error)
-    type(reader_t), intent(inout) :: reader
-    type(case_t), intent(inout) :: case
-    type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: sharing = 'mesh, static, optimum, deflection_relief, precision or transient'
-    character(sentence_length) :: geared, lacks
-    integer :: i
-
+    call reader%get('mesh', 'shared_compliance_um_n', case%shared_compliance, error, unit='um/N', &
+                    tasks=case%tasks_for(stage%mesh), refused=made, at_least=0.0_dp, at_most=1e6_dp, otherwise='none', &
+                    meaning='how far a load on a pair of a prescribed mesh moves its neighbours too, as all act on the same '// &
+                    'bodies: a part of each pair''s compliance')
+    ! Stability depends on it only if contact extends beyond A and E.
+    lacks = unless(case%model == 'table' .or. case%needs(stage%reliefs), case%tasks_for(stage%reliefs))
+    call reader%get('mesh', 'profile_error_file', case%profile_error_file, error, tasks=case%tasks_for(stage%mesh), &
+                    lacks=lacks, &
+                    refused=first_of(made, unless(.not. case%relieves(), relieved)), &
+                    otherwise='none', &
+                    meaning='file with a table of the path coordinate s and the profile error of a prescribed mesh in um, '// &
+                    'through which splines go; where s comes twice, a new one begins. As far beyond A and E as it and a '// &
+                    'table of the stiffness reach, a pair may be in contact; a relative name lies beside the case')
     geared = unless(.not. case%prescribed, needs_gears)
     lacks = first_of(for_stage(case, stage%mesh), unless(case%model == 'fe', 'model = ''fe'''))
     call reader%get('mesh', 'tooth_coupling', case%tooth_coupling, error, tasks=case%tasks_for(stage%mesh), refused=geared, &
@@ -190,7 +193,7 @@ contains
                     lacks=first_of(lacks, unless(case%model == 'fe', 'model = ''fe''')), &
                     meaning='whether the static load sharing flattens flanks by the load that each pair carries (Hertz), with '// &
                     'model = ''fe''; otherwise by the nominal load, as the motion does')
-  end subroutine read_contact
+  end subroutine read_path
 
   !> True if this task is requested and the mesh shares its static load.
   pure logical function shares_load(slot)
@@ -200,30 +203,6 @@ contains
                                                                              'optimum', 'deflection_relief'])
     if (slot%info%name == 'transient') shares_load = slot%takes(stage%reliefs) .and. .not. slot%takes(stage%motion)
   end function shares_load
-
-  !> Reads optional keys of a prescribed mesh beyond the stiffness of its pairs; `refused` if the mesh is not prescribed.
-  subroutine read_beyond(reader, case, refused, error)
-    type(reader_t), intent(inout) :: reader
-    type(case_t), intent(inout) :: case
-    character(*), intent(in) :: refused
-    type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: relieved = 'has the reliefs in it; remove the amounts above 0 and the task optimum'
-    character(sentence_length) :: lacks
-
-    call reader%get('mesh', 'shared_compliance_um_n', case%shared_compliance, error, unit='um/N', &
-                    tasks=case%tasks_for(stage%mesh), refused=refused, at_least=0.0_dp, at_most=1e6_dp, otherwise='none', &
-                    meaning='how far a load on a pair of a prescribed mesh moves its neighbours too, as all act on the same '// &
-                    'bodies: a part of each pair''s compliance')
-    ! Stability depends on it only if contact extends beyond A and E.
-    lacks = unless(case%model == 'table' .or. case%needs(stage%reliefs), case%tasks_for(stage%reliefs))
-    call reader%get('mesh', 'profile_error_file', case%profile_error_file, error, tasks=case%tasks_for(stage%mesh), &
-                    lacks=lacks, &
-                    refused=first_of(refused, unless(.not. case%relieves(), relieved)), &
-                    otherwise='none', &
-                    meaning='file with a table of the path coordinate s and the profile error of a prescribed mesh in um, '// &
-                    'through which splines go; where s comes twice, a new one begins. As far beyond A and E as it and a '// &
-                    'table of the stiffness reach, a pair may be in contact; a relative name lies beside the case')
-  end subroutine read_beyond
 
   subroutine read_dynamics(reader, case, error)
     type(reader_t), intent(inout) :: reader

@@ -84,6 +84,8 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: bom = char(239)//char(187)//char(191)
     type(scanner_t) :: s
+    character :: next
+    integer :: last
 
     call claim_memory(30.0_dp*len(text), 'the text of the case', error)
     if (allocated(error)) return
@@ -92,58 +94,38 @@ contains
     do while (.not. allocated(error))
       call skip_blanks(text, s)
       if (s%at > len(text)) exit
-      call read_item(text, s, error)
+      next = text(s%at:s%at)
+      s%item = s%at
+      if (next == '&' .or. next == '$') then
+        last = word_end(text, s%at + 1)
+        associate (name => text(s%at + 1:last))
+          call refuse_odd(text, s%at, last, s, error)
+          if (s%builder%in_group .and. (lower(name) == 'end' .or. len(name) == 0)) then
+            call s%builder%close_group(s%item)
+          else
+            call s%builder%open_group(lower(name), s%line, error)
+          end if
+        end associate
+        s%at = last + 1
+      else if (.not. s%builder%in_group) then
+        call refuse_odd(text, s%at, word_end(text, s%at), s, error)
+        call fail_at(s%line, 'text outside a group: '//shown(text(s%at:line_end(text, s%at))), error)
+      else if (next == '/') then
+        s%at = s%at + 1
+        call s%builder%close_group(s%item)
+      else if (next == ',') then
+        s%at = s%at + 1
+        call s%builder%add_comma(s%line, error)
+      else if (next == '=') then
+        call fail_at(s%line, 'no key in front of =', error)
+      else if (scan(next, quotes) == 1) then
+        call read_string(text, s, 1, error)
+      else
+        call read_word(text, s, error)
+      end if
     end do
     call s%builder%finish(s%line, namelist, error)
   end subroutine parse_namelist
-
-  !> Reads one item; its first character decides its kind.
-  pure subroutine read_item(text, s, error)
-    character(*), intent(in) :: text
-    type(scanner_t), intent(inout) :: s
-    type(error_t), allocatable, intent(inout) :: error
-    character :: next
-
-    next = text(s%at:s%at)
-    s%item = s%at
-    if (next == '&' .or. next == '$') then
-      call read_group_mark(text, s, error)
-    else if (.not. s%builder%in_group) then
-      call refuse_odd(text, s%at, word_end(text, s%at), s, error)
-      call fail_at(s%line, 'text outside a group: '//shown(text(s%at:line_end(text, s%at))), error)
-    else if (next == '/') then
-      s%at = s%at + 1
-      call s%builder%close_group(s%item)
-    else if (next == ',') then
-      s%at = s%at + 1
-      call s%builder%add_comma(s%line, error)
-    else if (next == '=') then
-      call fail_at(s%line, 'no key in front of =', error)
-    else if (scan(next, quotes) == 1) then
-      call read_string(text, s, 1, error)
-    else
-      call read_word(text, s, error)
-    end if
-  end subroutine read_item
-
-  !> Reads a group mark: `&name` opens a group, `&end` or `&` closes one; old Fortran has `$` for `&`.
-  pure subroutine read_group_mark(text, s, error)
-    character(*), intent(in) :: text
-    type(scanner_t), intent(inout) :: s
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: last
-
-    last = word_end(text, s%at + 1)
-    associate (name => text(s%at + 1:last))
-      call refuse_odd(text, s%at, last, s, error)
-      if (s%builder%in_group .and. (lower(name) == 'end' .or. len(name) == 0)) then
-        call s%builder%close_group(s%item)
-      else
-        call s%builder%open_group(lower(name), s%line, error)
-      end if
-    end associate
-    s%at = last + 1
-  end subroutine read_group_mark
 
   !> Reads a bare word: a key if `=` follows, otherwise a value.
   pure subroutine read_word(text, s, error)
@@ -401,11 +383,16 @@ contains
     integer, intent(in) :: at, line
     type(error_t), allocatable, intent(inout) :: error
     integer :: i, place
-    logical :: goes_on
+    logical :: goes_on, ok
+    character(:), allocatable :: number
 
     place = 1
     if (index(key, '(') > 0) then
-      call read_index(key, line, place, error)
+      number = adjustl(key(index(key, '(') + 1:max(index(key, '('), len(key) - 1)))
+      call to_number(trim(number), place, ok)
+      if (ok) ok = key(len(key):) == ')' .and. place >= 1
+      if (.not. ok) call fail_at(line, shown(key)//': an index must be one whole number from 1 on, as in key(1) = 0 '// &
+                                 'key(2) = 5; or give the list as key = 0, 5', error)
       call self%go_on(key(:name_end(key)), place, goes_on)
       if (goes_on .or. allocated(error)) return
       if (place /= 1) call fail_at(line, shown(key)//': the values of a list must follow each other, from the index 1 on', error)
@@ -437,22 +424,6 @@ contains
 
     name_end = len_trim(key(:index(key//'(', '(') - 1))
   end function name_end
-
-  !> Reads the index of `key(2)`, which must be one whole number.
-  pure subroutine read_index(key, line, place, error)
-    character(*), intent(in) :: key
-    integer, intent(in) :: line
-    integer, intent(out) :: place
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: number
-    logical :: ok
-
-    number = adjustl(key(index(key, '(') + 1:max(index(key, '('), len(key) - 1)))
-    call to_number(trim(number), place, ok)
-    if (ok) ok = key(len(key):) == ')' .and. place >= 1
-    if (.not. ok) call fail_at(line, shown(key)//': an index must be one whole number from 1 on, as in key(1) = 0 key(2) = 5; '// &
-                               'or give the list as key = 0, 5', error)
-  end subroutine read_index
 
   !> True if this index continues the values of the open key.
   pure subroutine go_on(self, name, place, goes_on)

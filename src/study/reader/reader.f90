@@ -15,13 +15,14 @@ module gearsweep_study_reader_reader
     read_numbers, read_texts, tell_number
   implicit none
   private
-  public :: reader_t, open_list, open_reader, format_t, unless, first_of, is_prescribed
+  public :: reader_t, open_list, open_reader, unless, first_of, is_prescribed
 
   !> Length of a list of tasks in a sentence: room for the 32 tasks that gearsweep_api_tasks may hold, with the separators.
   integer, parameter, public :: sentence_length = 32*24
   character(*), parameter, public :: needs_gears = 'not used by a prescribed mesh (&mesh contact_ratio); remove it'
 
-  type :: format_t
+  !> Format of a text, whose keys are read as they are declared: its groups and keys, and which are used, unknown or missing.
+  type :: reader_t
     type(namelist_t) :: list
     type(keys_t) :: keys
     logical :: keeps_defaults = .false.
@@ -31,17 +32,11 @@ module gearsweep_study_reader_reader
     type(error_t), allocatable :: missing
     character(:), allocatable :: missing_too     !< other missing keys, with a comma and a blank before each
   contains
-    procedure :: add_group, want, wants, has, has_used, has_group, finish, check_key, write_complete, passes, find, judge
-    procedure, private :: miss, check_names, check_group
-  end type format_t
-
-  !> Format whose keys are read as they are declared.
-  type, extends(format_t) :: reader_t
-  contains
+    procedure :: add_group, want, wants, has, has_used, has_group, finish, check_key, write_complete
     !> `call reader%get(group, key, value, error, meaning, [unit], [given], [required], [tasks], [lacks], [refused], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
-    procedure, private :: set_default
+    procedure, private :: set_default, passes, find, judge, miss, check_group
   end type reader_t
 
 contains
@@ -265,7 +260,7 @@ contains
 
   !> Adds a group to the format, with its subject.
   pure subroutine add_group(self, name, meaning)
-    class(format_t), intent(inout) :: self
+    class(reader_t), intent(inout) :: self
     character(*), intent(in) :: name, meaning
 
     call self%keys%add_group(name, meaning)
@@ -273,7 +268,7 @@ contains
 
   !> Requests tasks: keys declared later for other tasks are not used.
   pure subroutine want(self, tasks)
-    class(format_t), intent(inout) :: self
+    class(reader_t), intent(inout) :: self
     character(*), intent(in) :: tasks(:)
 
     self%tasks = ' '//join(tasks, ' ')//' '
@@ -281,7 +276,7 @@ contains
 
   !> True if this task is requested.
   pure logical function wants(self, task)
-    class(format_t), intent(in) :: self
+    class(reader_t), intent(in) :: self
     character(*), intent(in) :: task
 
     wants = index(self%tasks, ' '//trim(task)//' ') > 0
@@ -289,7 +284,7 @@ contains
 
   !> True if the text has the key with a value.
   pure logical function has(self, group, key)
-    class(format_t), intent(in) :: self
+    class(reader_t), intent(in) :: self
     character(*), intent(in) :: group, key
 
     has = self%list%position(lower(group), lower(key)) > 0
@@ -297,7 +292,7 @@ contains
 
   !> True if the text has the key with a value, and the key is declared.
   pure logical function has_used(self, group, key)
-    class(format_t), intent(in) :: self
+    class(reader_t), intent(in) :: self
     character(*), intent(in) :: group, key
     integer :: at
 
@@ -308,7 +303,7 @@ contains
 
   !> True if the text has the group, even an empty one.
   pure logical function has_group(self, group)
-    class(format_t), intent(in) :: self
+    class(reader_t), intent(in) :: self
     character(*), intent(in) :: group
 
     has_group = .false.
@@ -317,25 +312,12 @@ contains
 
   !> Fails if the text has an undeclared group or key, or lacks a required key.
   pure subroutine finish(self, error)
-    class(format_t), intent(in) :: self
+    class(reader_t), intent(in) :: self
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: others
-
-    if (allocated(error)) return
-    call self%check_names(error)
-    if (.not. allocated(self%missing)) return
-    call self%keys%find_lacking(others)
-    others = self%missing_too//others
-    if (len(others) > 0) call fail(error, self%missing%code, self%missing%message//'; missing too: '//others(3:))
-    call fail(error, self%missing%code, self%missing%message)
-  end subroutine finish
-
-  pure subroutine check_names(self, error)
-    class(format_t), intent(in) :: self
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: why
+    character(:), allocatable :: others, why
     integer :: i
 
+    if (allocated(error)) return
     do i = 1, size(self%list%groups)
       call self%check_group(trim(self%list%groups(i)), error)
     end do
@@ -346,11 +328,16 @@ contains
         call fail_entry(entry, why, error)
       end associate
     end do
-  end subroutine check_names
+    if (.not. allocated(self%missing)) return
+    call self%keys%find_lacking(others)
+    others = self%missing_too//others
+    if (len(others) > 0) call fail(error, self%missing%code, self%missing%message//'; missing too: '//others(3:))
+    call fail(error, self%missing%code, self%missing%message)
+  end subroutine finish
 
   !> Fails unless the format has this group.
   pure subroutine check_group(self, group, error)
-    class(format_t), intent(in) :: self
+    class(reader_t), intent(in) :: self
     character(*), intent(in) :: group
     type(error_t), allocatable, intent(inout) :: error
     character(name_length), allocatable :: names(:)
@@ -368,7 +355,7 @@ contains
 
   !> Fails unless the format has this key, i.e. it is declared; the text need not have it.
   pure subroutine check_key(self, group, key, error)
-    class(format_t), intent(in) :: self
+    class(reader_t), intent(in) :: self
     character(*), intent(in) :: group, key
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: why
@@ -381,7 +368,7 @@ contains
 
   !> Writes the values in effect as a case: those of the text and the other keys' defaults.
   pure subroutine write_complete(self, text)
-    class(format_t), intent(in) :: self
+    class(reader_t), intent(in) :: self
     character(:), allocatable, intent(out) :: text
 
     call self%keys%write_case(self%list, text)
@@ -389,7 +376,7 @@ contains
 
   !> True if nothing is to do for this key. Names in lower case.
   pure logical function passes(self, group, key, required)
-    class(format_t), intent(in) :: self
+    class(reader_t), intent(in) :: self
     character(*), intent(in) :: group, key
     logical, intent(in), optional :: required
 
@@ -400,7 +387,7 @@ contains
 
   !> Adds the key to the format; `at` is its entry, or 0 if there is nothing to read.
   pure subroutine find(self, key, at, error, given, lacks, refused)
-    class(format_t), intent(inout) :: self
+    class(reader_t), intent(inout) :: self
     type(key_t), intent(inout) :: key
     integer, intent(out) :: at
     type(error_t), allocatable, intent(inout) :: error
@@ -427,7 +414,7 @@ contains
 
   !> Stores a warning if the numbers of the key declared last are used and are unusual in its unit.
   pure subroutine judge(self, numbers)
-    class(format_t), intent(inout) :: self
+    class(reader_t), intent(inout) :: self
     real(dp), intent(in) :: numbers(:)
     character(:), allocatable :: words
 
@@ -439,7 +426,7 @@ contains
   end subroutine judge
 
   pure subroutine miss(self, key)
-    class(format_t), intent(inout) :: self
+    class(reader_t), intent(inout) :: self
     type(key_t), intent(in) :: key
     ! A bound that only limits the range of computation does not help a user who looks for a value.
     real(dp), parameter :: farthest = 1e6_dp

@@ -19,6 +19,8 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), intent(in), optional :: scale
     integer :: i
+    character(:), allocatable :: rule, meant
+    logical :: ok
 
     if (allocated(error)) return
     if (entry%bare_commas > 0 .and. entry%bare_blanks > 0) &
@@ -29,7 +31,16 @@ contains
       call fail_entry(entry, 'has pairs with a comma and no blank: decimals take a point, as in 0.5, 10.5', error)
     if (allocated(error)) return
     do i = 1, size(numbers)
-      call read_number(entry%values(i), bounds, numbers(i), error, entry)
+      ! Data frames write whole numbers as 21.0.
+      call to_number(entry%values(i)%text, numbers(i), ok)
+      if (bounds%whole .and. ok) ok = abs(numbers(i)) <= huge(1) .and. abs(numbers(i) - anint(numbers(i))) <= 0
+      if (.not. ok .or. entry%values(i)%quoted) then
+        call fail_entry(entry, 'must be '//trim(merge('an integer', 'a number  ', bounds%whole)), error)
+      else if (.not. bounds%allow(numbers(i))) then
+        call bounds%describe(rule)
+        call other_unit(entry%key, trim(bounds%unit), bounds, numbers(i), meant)
+        call fail_entry(entry, 'must be '//rule//meant, error)
+      end if
       if (allocated(error)) return
     end do
     if (.not. present(scale)) return
@@ -39,27 +50,6 @@ contains
       numbers = numbers*scale
     end if
   end subroutine read_numbers
-
-  pure subroutine read_number(value, bounds, number, error, entry)
-    type(value_t), intent(in) :: value
-    type(bounds_t), intent(in) :: bounds
-    real(dp), intent(out) :: number
-    type(error_t), allocatable, intent(inout) :: error
-    type(entry_t), intent(in) :: entry
-    character(:), allocatable :: rule, meant
-    logical :: ok
-
-    ! Data frames write whole numbers as 21.0.
-    call to_number(value%text, number, ok)
-    if (bounds%whole .and. ok) ok = abs(number) <= huge(1) .and. abs(number - anint(number)) <= 0
-    if (.not. ok .or. value%quoted) then
-      call fail_entry(entry, 'must be '//trim(merge('an integer', 'a number  ', bounds%whole)), error)
-    else if (.not. bounds%allow(number)) then
-      call bounds%describe(rule)
-      call other_unit(entry%key, trim(bounds%unit), bounds, number, meant)
-      call fail_entry(entry, 'must be '//rule//meant, error)
-    end if
-  end subroutine read_number
 
   !> Writes the shortest digits that `read_numbers` with this `scale` reads as `value`, bit for bit; `number` is the number in the
   !> key's unit. `found` is false if no number in this unit reads as the value.

@@ -25,19 +25,6 @@ module gearsweep_study_results_motion_table
 
 contains
 
-  !> Adds a line for each likely unit slip; `table` is the table motion of the study.
-  pure subroutine tell_units(study, table, lines)
-    type(study_t), intent(in) :: study
-    type(table_t), intent(in) :: table
-    type(lines_t), intent(inout) :: lines
-
-    if (allocated(study%pair)) then
-      call tell_pressure(study, lines)
-      call tell_masses(study, lines)
-    end if
-    call tell_tables(study, table, lines)
-  end subroutine tell_units
-
   !> Warns of a load that no flank bears, usually from a torque in another unit than its key's. Rolling bearing steel, harder than
   !> that of gears, is dented permanently from 4000 MPa on in line contacts (ISO 76:2006, static load rating of roller bearings).
   pure subroutine tell_pressure(study, lines)
@@ -284,7 +271,11 @@ contains
     if (table%position('friction') > 0) call lines%put(', friction '//str(table%number('friction')))
     call lines%add('')
     if (allocated(study%torque)) call lines%add(left('', 19)//'at '//str(study%case%torque)//' N m, the largest of torques_nm')
-    call tell_units(study, table, lines)
+    if (allocated(study%pair)) then
+      call tell_pressure(study, lines)
+      call tell_masses(study, lines)
+    end if
+    call tell_tables(study, table, lines)
     call tell_webs(study, lines)
     call add_decisive_inputs(study, lines)
     call lines%put(left('Natural frequency', 19)//str(table%number('natural_frequency_hz'), 5)//' Hz: the mesh excites it at '// &

@@ -63,7 +63,15 @@ contains
       case (vary_friction)
         motion%friction = value
       case (vary_stiffness)
-        call stiffen(value, self%inputs)
+        self%inputs%stiffness%coef = value*self%inputs%stiffness%coef
+        associate (motion => self%inputs%motion, disc => self%inputs%motion%disc)
+          motion%flattening = motion%flattening%scaled(1/value)
+          disc%turn = disc%turn/value
+          disc%shared = disc%shared/value
+          disc%change = disc%change/value
+          disc%decline = disc%decline/value
+          disc%twist = disc%twist/value
+        end associate
       case (vary_profile)
         self%inputs%profile_error%coef = value*self%inputs%profile_error%coef
       case (vary_backlash)
@@ -116,27 +124,13 @@ contains
     end select
   end subroutine with_relief
 
-  pure subroutine stiffen(factor, inputs)
-    real(dp), intent(in) :: factor
-    type(motions_inputs_t), intent(inout) :: inputs
-
-    inputs%stiffness%coef = factor*inputs%stiffness%coef
-    associate (motion => inputs%motion, disc => inputs%motion%disc)
-      motion%flattening = motion%flattening%scaled(1/factor)
-      disc%turn = disc%turn/factor
-      disc%shared = disc%shared/factor
-      disc%change = disc%change/factor
-      disc%decline = disc%decline/factor
-      disc%twist = disc%twist/factor
-    end associate
-  end subroutine stiffen
-
   !> Builds the oscillator of a case with this amount of relief (m), unless its profile error is prescribed.
   subroutine build_motion(inputs, amount, motion, error)
     type(motions_inputs_t), intent(in) :: inputs
     real(dp), intent(in) :: amount
     type(oscillator_t), intent(out) :: motion
     type(error_t), allocatable, intent(out) :: error
+    type(relief_t) :: relief
 
     associate (of => inputs%motion)
       motion%mesh%contact_ratio = of%relief%contact_ratio
@@ -151,7 +145,20 @@ contains
       if (allocated(inputs%profile_error%breaks)) then
         motion%mesh%profile_error = inputs%profile_error
       else
-        call relieve(of%relief, amount, of%reach, motion%mesh%profile_error, error)
+        relief%amount = amount*of%relief%fraction
+        relief%start = relief_start(of%relief)
+        relief%shape = of%relief%shape
+        if (amount > 0 .and. of%relief%start == 'hpstc' .and. .not. modulo(of%relief%contact_ratio, 1.0_dp) > 0) then
+          call fail(error, code_input, '&relief start = ''hpstc'': short relief has no room at a contact ratio of '// &
+                    str(of%relief%contact_ratio)//'; use start = ''pitch'' or length_mm')
+        else if (amount > deepest_relief(of%relief)) then
+          call fail(error, code_input, '&relief amount_um = '//str(1e6_dp*amount)// &
+            ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(of%relief)))
+        else
+          call profile_error(relief, of%relief%contact_ratio, motion%mesh%profile_error, error)
+          if (.not. (allocated(error) .or. of%relief%prescribed)) call add_corners(of%relief%pair, relief, of%reach, &
+            motion%mesh%profile_error)
+        end if
         if (allocated(error)) return
       end if
       motion%mass = of%mass
@@ -163,29 +170,6 @@ contains
     end associate
     call make_oscillator(motion, error)
   end subroutine build_motion
-
-  !> Profile error of one amount of relief (m), over `reach` (base pitches).
-  subroutine relieve(inputs, amount, reach, curve, error)
-    type(relief_inputs_t), intent(in) :: inputs
-    real(dp), intent(in) :: amount, reach(2)
-    type(piecewise_t), intent(out) :: curve
-    type(error_t), allocatable, intent(out) :: error
-    type(relief_t) :: relief
-
-    relief%amount = amount*inputs%fraction
-    relief%start = relief_start(inputs)
-    relief%shape = inputs%shape
-    if (amount > 0 .and. inputs%start == 'hpstc' .and. .not. modulo(inputs%contact_ratio, 1.0_dp) > 0) then
-      call fail(error, code_input, '&relief start = ''hpstc'': short relief has no room at a contact ratio of '// &
-                str(inputs%contact_ratio)//'; use start = ''pitch'' or length_mm')
-    else if (amount > deepest_relief(inputs)) then
-      call fail(error, code_input, '&relief amount_um = '//str(1e6_dp*amount)// &
-        ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(inputs)))
-    else
-      call profile_error(relief, inputs%contact_ratio, curve, error)
-      if (.not. (allocated(error) .or. inputs%prescribed)) call add_corners(inputs%pair, relief, reach, curve)
-    end if
-  end subroutine relieve
 
   !> Largest amount of relief (m) of a search. Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
   pure real(dp) function largest_relief(inputs) result(largest)

@@ -37,7 +37,9 @@ contains
     logical, intent(in), optional :: stream
     integer, intent(in), optional :: longest
     integer(c_int) :: file, any_kind
-    integer :: bound
+    integer :: bound, used, room, stat
+    character(:), allocatable :: larger
+    integer(c_int) :: n
 
     bound = longest_file
     if (present(longest)) bound = longest
@@ -47,47 +49,33 @@ contains
     if (file < 0) then
       call fail_system('cannot read '//path, file, error)
     else
-      call read_all(path, file, bound, text, error)
+      used = 0
+      room = 2**16
+      allocate (character(room) :: text, stat=stat)
+      do while (stat == 0)
+        n = read_file(file, text(used + 1:), int(room - used, c_int))
+        if (n <= 0) exit
+        used = used + n
+        if (used > bound) exit
+        if (used < room) cycle
+        room = 2*room
+        allocate (character(room) :: larger, stat=stat)
+        if (stat /= 0) exit
+        larger(:used) = text
+        call move_alloc(larger, text)
+      end do
+      if (stat /= 0) then
+        call fail(error, code_memory, path//': does not fit into memory')
+      else if (n < 0) then
+        call fail_system('cannot read '//path, n, error)
+      else if (used > bound) then
+        call fail(error, code_input, path//': is '//too_long)
+      else
+        text = text(:used)
+      end if
       call close_file(file)
     end if
   end subroutine read_text
-
-  !> Reads an open file to its end, in linear time.
-  subroutine read_all(path, file, bound, text, error)
-    character(*), intent(in) :: path
-    integer(c_int), intent(in) :: file
-    integer, intent(in) :: bound
-    character(:), allocatable, intent(out) :: text
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: larger
-    integer :: used, room, stat
-    integer(c_int) :: n
-
-    used = 0
-    room = 2**16
-    allocate (character(room) :: text, stat=stat)
-    do while (stat == 0)
-      n = read_file(file, text(used + 1:), int(room - used, c_int))
-      if (n <= 0) exit
-      used = used + n
-      if (used > bound) exit
-      if (used < room) cycle
-      room = 2*room
-      allocate (character(room) :: larger, stat=stat)
-      if (stat /= 0) exit
-      larger(:used) = text
-      call move_alloc(larger, text)
-    end do
-    if (stat /= 0) then
-      call fail(error, code_memory, path//': does not fit into memory')
-    else if (n < 0) then
-      call fail_system('cannot read '//path, n, error)
-    else if (used > bound) then
-      call fail(error, code_input, path//': is '//too_long)
-    else
-      text = text(:used)
-    end if
-  end subroutine read_all
 
   !> Fails with the message of the system.
   subroutine fail_system(what, code, error)

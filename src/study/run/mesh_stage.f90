@@ -196,42 +196,6 @@ contains
     mesh%reach = [0.0_dp, mesh%contact_ratio]
   end subroutine place_mesh
 
-  !> Computes the stiffness of one pair (N/m over s) by a model other than finite elements, under `load` (N). `folder`: of the
-  !> case's files.
-  subroutine build_stiffness(case, pair, load, folder, contact_ratio, stiffness, error)
-    type(case_t), intent(in) :: case
-    type(pair_t), allocatable, intent(in) :: pair
-    real(dp), intent(in) :: load, contact_ratio
-    character(*), intent(in) :: folder
-    type(piecewise_t), intent(out) :: stiffness
-    type(error_t), allocatable, intent(out) :: error
-    real(dp), allocatable :: s(:), values(:)
-
-    select case (case%model)
-    case ('weber')
-      call weber_stiffness(pair, case%material, line_load(), stiffness, error)
-    case ('iso6336')
-      call iso_stiffness(pair, case%material, line_load(), stiffness, error, case%iso)
-    case ('polynomial')
-      call polynomial_stiffness(contact_ratio, case%coefficients, stiffness, error)
-    case ('table')
-      call read_table(beside(folder, case%file), s, values, error)
-      if (.not. allocated(error)) then
-        call claim_memory(200.0_dp*size(s), '&mesh file: '//str(size(s))//' rows', error)
-        ! Values out of range are refused by their row.
-        if (.not. allocated(error)) call table_stiffness(contact_ratio, s, 1e6_dp*max(-1e300_dp, min(1e300_dp, values)), &
-                                                         stiffness, error)
-      end if
-    case default  ! the reader of the case allows no other
-    end select
-
-  contains
-
-    real(dp) function line_load()
-      line_load = load/case%spec(1)%face_width
-    end function line_load
-  end subroutine build_stiffness
-
   !> Reads two columns of numbers, with or without a line of names.
   subroutine read_table(path, first, second, error)
     character(*), intent(in) :: path
@@ -258,38 +222,13 @@ contains
     end do
   end subroutine read_table
 
-  !> Adds to a prescribed mesh with a stiffness its shared compliance, and its profile error from a table, which may extend beyond A
-  !> and E as far as a table of the stiffness does.
-  subroutine build_profile_error(case, folder, mesh, error)
-    type(case_t), intent(in) :: case
-    character(*), intent(in) :: folder
-    type(mesh_t), intent(inout) :: mesh
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: s(:), values(:)
-    real(dp) :: softest
-
-    mesh%disc%shared = case%shared_compliance
-    softest = 1/mesh%stiffness%maximum()
-    if (mesh%disc%shared >= softest) call fail(error, code_input, '&mesh shared_compliance_um_n = '// &
-      str(1e6_dp*mesh%disc%shared)//': is a part of each pair''s compliance, which falls to '//str(1e6_dp*softest)//' um/N')
-    if (allocated(error) .or. .not. allocated(case%profile_error_file)) return
-    call read_table(beside(folder, case%profile_error_file), s, values, error)
-    if (allocated(error)) return
-    call claim_memory(400.0_dp*size(s), '&mesh profile_error_file: '//str(size(s))//' rows', error)
-    if (.not. allocated(error)) call profile_table(mesh%contact_ratio, s, 1e-6_dp*max(-1e300_dp, min(1e300_dp, values)), &
-                                                   mesh%profile_error, error)
-    if (allocated(error) .or. case%model /= 'table') return
-    associate (known => mesh%stiffness%breaks([1, size(mesh%stiffness%breaks)]))
-      mesh%reach = [min(mesh%reach(1), max(known(1), s(1))), max(mesh%reach(2), min(known(2), s(size(s))))]
-    end associate
-  end subroutine build_profile_error
-
   !> Builds what all loaded tasks start from. Products of an `earlier` study with the same inputs are reused.
   subroutine mesh_and_motion(study, folder, error, earlier)
     type(study_t), intent(inout) :: study
     character(*), intent(in) :: folder
     type(error_t), allocatable, intent(inout) :: error
     type(study_t), intent(in), optional :: earlier
+    integer :: i
 
     call find_load(study%case, study%pair, study%base_pitch, study%load, study%mass, study%hub_mass)
     if (allocated(study%pair)) call check_load(study%case, study%pair, study%load, error)
@@ -304,7 +243,18 @@ contains
     end if
     if (allocated(error)) return
     call reach_beyond(study, study%mesh)
-    call build_motions(study, error)
+    ! Each relief has a mesh of its own.
+    associate (curve => study%mesh%stiffness)
+      call claim_memory((size(study%case%amount) + 1)*(8000 + 8.0_dp*(size(curve%coef) + size(curve%breaks))), &
+                        '&relief amount_um: '//str(size(study%case%amount))//' reliefs', error)
+    end associate
+    if (allocated(error)) return
+    call list_inputs(study, study%mesh, study%load, study%motions_inputs)
+    allocate (study%motion(size(study%case%amount)))
+    do i = 1, size(study%motion)
+      call build_motion(study%motions_inputs, study%case%amount(i), study%motion(i), error)
+      if (allocated(error)) return
+    end do
     if (allocated(study%case%torques) .and. .not. allocated(error)) call find_other_loads(study, folder, error)
   end subroutine mesh_and_motion
 
@@ -336,27 +286,74 @@ contains
     end do
   end subroutine find_other_loads
 
-  !> Builds the stiffness by a model other than finite elements, under a load (N).
+  !> Computes the stiffness of one pair (N/m over s) by a model other than finite elements, under a load (N). A prescribed mesh
+  !> also has its shared compliance and a profile error from a table, which may extend beyond A and E as far as a table of the
+  !> stiffness does. `folder`: of the case's files.
   subroutine by_model(study, folder, load, mesh, error)
     type(study_t), intent(in) :: study
     character(*), intent(in) :: folder
     real(dp), intent(in) :: load
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: s(:), values(:)
+    real(dp) :: softest
 
-    call build_stiffness(study%case, study%pair, load, folder, mesh%contact_ratio, mesh%stiffness, error)
-    if (study%case%touches_beyond() .and. .not. allocated(error)) call add_corner_stiffness(study%pair, load, mesh%stiffness)
-    if (study%case%prescribed .and. .not. allocated(error)) call build_profile_error(study%case, folder, mesh, error)
+    associate (case => study%case)
+      select case (case%model)
+      case ('weber')
+        call weber_stiffness(study%pair, case%material, load/case%spec(1)%face_width, mesh%stiffness, error)
+      case ('iso6336')
+        call iso_stiffness(study%pair, case%material, load/case%spec(1)%face_width, mesh%stiffness, error, case%iso)
+      case ('polynomial')
+        call polynomial_stiffness(mesh%contact_ratio, case%coefficients, mesh%stiffness, error)
+      case ('table')
+        call read_table(beside(folder, case%file), s, values, error)
+        if (.not. allocated(error)) then
+          call claim_memory(200.0_dp*size(s), '&mesh file: '//str(size(s))//' rows', error)
+          ! Values out of range are refused by their row.
+          if (.not. allocated(error)) call table_stiffness(mesh%contact_ratio, s, 1e6_dp*max(-1e300_dp, min(1e300_dp, values)), &
+                                                           mesh%stiffness, error)
+        end if
+      case default  ! the reader of the case allows no other
+      end select
+      if (case%touches_beyond() .and. .not. allocated(error)) call add_corner_stiffness(study%pair, load, mesh%stiffness)
+      if (case%prescribed .and. .not. allocated(error)) then
+        mesh%disc%shared = case%shared_compliance
+        softest = 1/mesh%stiffness%maximum()
+        if (mesh%disc%shared >= softest) call fail(error, code_input, '&mesh shared_compliance_um_n = '// &
+          str(1e6_dp*mesh%disc%shared)//': is a part of each pair''s compliance, which falls to '//str(1e6_dp*softest)//' um/N')
+        if (allocated(error) .or. .not. allocated(case%profile_error_file)) return
+        call read_table(beside(folder, case%profile_error_file), s, values, error)
+        if (allocated(error)) return
+        call claim_memory(400.0_dp*size(s), '&mesh profile_error_file: '//str(size(s))//' rows', error)
+        if (.not. allocated(error)) call profile_table(mesh%contact_ratio, s, 1e-6_dp*max(-1e300_dp, min(1e300_dp, values)), &
+                                                       mesh%profile_error, error)
+        if (allocated(error) .or. case%model /= 'table') return
+        associate (known => mesh%stiffness%breaks([1, size(mesh%stiffness%breaks)]))
+          mesh%reach = [min(mesh%reach(1), max(known(1), s(1))), max(mesh%reach(2), min(known(2), s(size(s))))]
+        end associate
+      end if
+    end associate
   end subroutine by_model
 
   !> Extends the reach of contact as far as the stiffness is known.
   pure subroutine reach_beyond(study, mesh)
     type(study_t), intent(in) :: study
     type(mesh_t), intent(inout) :: mesh
+    integer :: end, gear
 
     if (.not. study%case%touches_beyond()) return
     mesh%reach = mesh%stiffness%breaks([1, size(mesh%stiffness%breaks)])
-    call find_friction_arms(study%pair, mesh)
+    ! Lever arms of friction are straight lines up to half of the reach; on the line of action they change by 2 pi/z per base pitch.
+    if (mesh%reaches_beyond()) then
+      do end = 1, 2
+        associate (s => merge(mesh%reach(1), mesh%contact_ratio + mesh%reach(2), end == 1)/2)
+          do gear = 1, 2
+            mesh%arm_change(gear, end) = arm_change(study%pair, gear, end, s) - merge(2*pi, -2*pi, gear == 1)/mesh%teeth(gear)
+          end do
+        end associate
+      end do
+    end if
   end subroutine reach_beyond
 
   subroutine find_by_elements(study, error, earlier)
@@ -365,6 +362,7 @@ contains
     type(study_t), intent(in), optional :: earlier
     character(40) :: how
     logical :: known
+    type(elements_inputs_t) :: inputs
 
     study%elements_inputs = elements_inputs_t(study%pair, study%case%material, fe_options_t( &
       section=study%case%stiffness_body(), tooth_coupling=study%case%tooth_coupling, rim=rims(study%case, study%pair), &
@@ -388,38 +386,15 @@ contains
       if (study%teeth%taken > 0 .and. study%teeth%solved == 0) how = ', the teeth taken over'
       call study%running%note('mesh: pair stiffness by model fe'//trim(how))
     end if
-    if (study%case%asks('mesh') .and. .not. allocated(error)) call find_on_second_grid(study, error)
+    ! The task `mesh` reports the error of the grid.
+    if (study%case%asks('mesh') .and. .not. allocated(error)) then
+      inputs = study%elements_inputs
+      inputs%options%section = on_second_grid(inputs%options%section)
+      study%second_grid = study%mesh
+      call by_elements(inputs, study%second_grid, study%teeth, error)
+      if (.not. allocated(error)) call reach_beyond(study, study%second_grid)
+    end if
   end subroutine find_by_elements
-
-  !> Computes the pair stiffness on a second grid, for the task that reports the error of the grid.
-  subroutine find_on_second_grid(study, error)
-    type(study_t), intent(inout) :: study
-    type(error_t), allocatable, intent(inout) :: error
-    type(elements_inputs_t) :: inputs
-
-    inputs = study%elements_inputs
-    inputs%options%section = on_second_grid(inputs%options%section)
-    study%second_grid = study%mesh
-    call by_elements(inputs, study%second_grid, study%teeth, error)
-    if (.not. allocated(error)) call reach_beyond(study, study%second_grid)
-  end subroutine find_on_second_grid
-
-  !> Computes the lever arms of friction: straight lines up to half of the reach; on the line of action they change by 2 pi/z per
-  !> base pitch.
-  pure subroutine find_friction_arms(pair, mesh)
-    type(pair_t), intent(in) :: pair
-    type(mesh_t), intent(inout) :: mesh
-    integer :: end, gear
-
-    if (.not. mesh%reaches_beyond()) return
-    do end = 1, 2
-      associate (s => merge(mesh%reach(1), mesh%contact_ratio + mesh%reach(2), end == 1)/2)
-        do gear = 1, 2
-          mesh%arm_change(gear, end) = arm_change(pair, gear, end, s) - merge(2*pi, -2*pi, gear == 1)/mesh%teeth(gear)
-        end do
-      end associate
-    end do
-  end subroutine find_friction_arms
 
   subroutine by_elements(inputs, mesh, teeth, error)
     type(elements_inputs_t), intent(in) :: inputs
@@ -430,26 +405,6 @@ contains
     call fe_stiffness(inputs%pair, inputs%material, inputs%options, inputs%line_load, mesh%stiffness, mesh%disc, error, &
                       mesh%flattening, teeth)
   end subroutine by_elements
-
-  !> Builds one oscillator for each relief.
-  subroutine build_motions(study, error)
-    type(study_t), intent(inout) :: study
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    ! Each relief has a mesh of its own.
-    associate (curve => study%mesh%stiffness)
-      call claim_memory((size(study%case%amount) + 1)*(8000 + 8.0_dp*(size(curve%coef) + size(curve%breaks))), &
-                        '&relief amount_um: '//str(size(study%case%amount))//' reliefs', error)
-    end associate
-    if (allocated(error)) return
-    call list_inputs(study, study%mesh, study%load, study%motions_inputs)
-    allocate (study%motion(size(study%case%amount)))
-    do i = 1, size(study%motion)
-      call build_motion(study%motions_inputs, study%case%amount(i), study%motion(i), error)
-      if (allocated(error)) return
-    end do
-  end subroutine build_motions
 
   !> Collects the inputs of the oscillators under a load (N).
   pure subroutine list_inputs(study, mesh, load, inputs)

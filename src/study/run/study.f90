@@ -68,9 +68,16 @@ contains
     character(*), intent(in) :: folder
     type(error_t), allocatable, intent(inout) :: error
     type(study_t), intent(in), target, optional :: earlier
+    character(:), allocatable :: path, text
+    integer :: i
 
     associate (case => study%case)
-      if (allocated(case%published)) call find_published(study, folder, error)
+      if (allocated(case%published)) then
+        ! Read first, so that a wrong file fails before anything is computed.
+        path = beside(folder, case%published)
+        call read_text(path, text, error)
+        if (.not. allocated(error)) call read_published(path, text, study%published, error)
+      end if
       if (allocated(error)) return
       if (case%prescribed) then
         call study%running%note('geometry left out: the mesh is prescribed')
@@ -90,9 +97,28 @@ contains
         call study%running%note('mesh and motion left out: no task needs them')
       end if
     end associate
-    if (.not. allocated(error)) call list_speeds(study, error)
+    if (.not. allocated(error)) then
+      allocate (study%rpm(0))
+      if (study%case%needs(stage%speeds)) then
+        call claim_memory(24.0_dp*speed_count(study%case), '&sweep: '//str(speed_count(study%case))//' speeds', error)
+        if (allocated(error)) return
+        study%rpm = speeds(study%case)
+      end if
+      do i = 1, size(study%tasks)
+        if (study%tasks(i)%is_wanted) &
+          study%running%all_points = study%running%all_points + points_of(study%tasks(i)%task, study%stages_t)
+      end do
+    end if
     call run_tasks(study, error, earlier)
-    if (.not. allocated(error)) call note_left_out(study)
+    if (allocated(error)) return
+    associate (case => study%case, running => study%running)
+      do i = 1, size(study%tasks)
+        if (.not. (study%tasks(i)%is_wanted .or. study%tasks(i)%info%is_always)) &
+          call running%note(trim(study%tasks(i)%info%name)//' left out: not among the tasks')
+      end do
+      if (case%needs(stage%motion) .and. case%friction <= 0) call running%note('friction left out: it is 0')
+      if (case%needs(stage%motion) .and. .not. case%has_backlash) call running%note('coast side left out: no backlash given')
+    end associate
   end subroutine run_stages
 
   !> Reads the files of the case's tasks.
@@ -119,91 +145,59 @@ contains
     end do
   end subroutine read_files
 
-  !> Lists the speeds of the sweep, and counts the operating points.
-  subroutine list_speeds(study, error)
-    type(study_t), intent(inout) :: study
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    allocate (study%rpm(0))
-    if (study%case%needs(stage%speeds)) then
-      call claim_memory(24.0_dp*speed_count(study%case), '&sweep: '//str(speed_count(study%case))//' speeds', error)
-      if (allocated(error)) return
-      study%rpm = speeds(study%case)
-    end if
-    do i = 1, size(study%tasks)
-      associate (slot => study%tasks(i))
-        if (.not. slot%is_wanted) cycle
-        study%running%all_points = study%running%all_points + points_of(slot%task, study%stages_t)
-      end associate
-    end do
-  end subroutine list_speeds
-
   !> Runs the tasks of the case and those that run for every case, one after the other.
   subroutine run_tasks(study, error, earlier)
     type(study_t), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error
     type(study_t), intent(in), target, optional :: earlier
-    integer :: i, k
+    integer :: i, k, before
+    logical :: known
 
     do i = 1, size(study%tasks)
       if (allocated(error)) return
-      associate (slot => study%tasks(i))
+      associate (slot => study%tasks(i), running => study%running)
         if (.not. (slot%is_wanted .or. (slot%info%is_always .and. allocated(study%pair)))) cycle
         if (slot%takes(stage%body) .or. slot%takes(stage%solid) .or. slot%takes(stage%motion)) then
           if (ends_here(study, slot%info)) cycle
         end if
+        before = running%done
+        known = .false.
+        nullify (running%earlier)
+        if (present(earlier)) then
+          known = is_known(study, earlier, i)
+          if (earlier%tasks(i)%task%is_done) running%earlier => earlier%tasks(i)%task
+        end if
+        if (known) call take_over(earlier%tasks(i), slot, error)
+        if (.not. known) then
+          call slot%task%prepare()
+          select type (task => slot%task)
+          class is (runnable_t)
+            call task%run(study%stages_t, error)
+          end select
+          ! Reports columns that did not fit into memory.
+          do k = 1, size(slot%task%tables)
+            if (allocated(slot%task%tables(k)%error) .and. .not. allocated(error)) error = slot%task%tables(k)%error
+          end do
+        end if
+        if (allocated(error)) return
+        if (slot%task%is_done) then
+          call running%note(slot%task%log//trim(merge(', taken over', '            ', known .or. slot%task%is_taken)))
+          study%stopped = study%stopped .or. slot%task%is_stopped
+          if (slot%is_wanted .and. .not. slot%task%is_stopped) then
+            before = before + points_of(slot%task, study%stages_t)
+            ! Tasks without progress of their own report all their points here.
+            if (.not. known) call running%tell(before - running%done, study%accuracy%steady%stop)
+            running%done = before
+          end if
+        else
+          study%stopped = .true.
+          call running%note(trim(slot%info%name)//' left out: the run was interrupted')
+        end if
       end associate
-      call run_task(study, i, error, earlier)
       if (allocated(study%running%bodies) .and. .not. any([(study%tasks(k)%takes(stage%body), k=i + 1, size(study%tasks))])) &
         deallocate (study%running%bodies)
     end do
   end subroutine run_tasks
-
-  !> Runs task number `i`, or copies its result from an earlier study.
-  subroutine run_task(study, i, error, earlier)
-    type(study_t), intent(inout) :: study
-    integer, intent(in) :: i
-    type(error_t), allocatable, intent(inout) :: error
-    type(study_t), intent(in), target, optional :: earlier
-    logical :: known
-    integer :: before, k
-
-    associate (slot => study%tasks(i), running => study%running)
-      before = running%done
-      known = .false.
-      nullify (running%earlier)
-      if (present(earlier)) then
-        known = is_known(study, earlier, i)
-        if (earlier%tasks(i)%task%is_done) running%earlier => earlier%tasks(i)%task
-      end if
-      if (known) call take_over(earlier%tasks(i), slot, error)
-      if (.not. known) then
-        call slot%task%prepare()
-        select type (task => slot%task)
-        class is (runnable_t)
-          call task%run(study%stages_t, error)
-        end select
-        ! Reports columns that did not fit into memory.
-        do k = 1, size(slot%task%tables)
-          if (allocated(slot%task%tables(k)%error) .and. .not. allocated(error)) error = slot%task%tables(k)%error
-        end do
-      end if
-      if (allocated(error)) return
-      if (slot%task%is_done) then
-        call running%note(slot%task%log//trim(merge(', taken over', '            ', known .or. slot%task%is_taken)))
-        study%stopped = study%stopped .or. slot%task%is_stopped
-        if (.not. slot%is_wanted .or. slot%task%is_stopped) return
-        before = before + points_of(slot%task, study%stages_t)
-        ! Tasks without progress of their own report all their points here.
-        if (.not. known) call running%tell(before - running%done, study%accuracy%steady%stop)
-        running%done = before
-      else
-        study%stopped = .true.
-        call running%note(trim(slot%info%name)//' left out: the run was interrupted')
-      end if
-    end associate
-  end subroutine run_task
 
   !> True if the earlier study has complete results of this task, from the same keys and from the same products of all stages that
   !> it needs. Cheap results are recomputed.
@@ -278,20 +272,6 @@ contains
     allocate (slot%task, source=before%task)
   end subroutine take_over
 
-  subroutine note_left_out(study)
-    type(study_t), intent(inout) :: study
-    integer :: i
-
-    associate (case => study%case, running => study%running)
-      do i = 1, size(study%tasks)
-        if (.not. (study%tasks(i)%is_wanted .or. study%tasks(i)%info%is_always)) &
-          call running%note(trim(study%tasks(i)%info%name)//' left out: not among the tasks')
-      end do
-      if (case%needs(stage%motion) .and. case%friction <= 0) call running%note('friction left out: it is 0')
-      if (case%needs(stage%motion) .and. .not. case%has_backlash) call running%note('coast side left out: no backlash given')
-    end associate
-  end subroutine note_left_out
-
   !> True if the caller ended the run; the log then lists the missing results.
   logical function ends_here(study, task)
     type(study_t), intent(inout) :: study
@@ -301,16 +281,4 @@ contains
     if (ends_here) call study%running%note(trim(task%name)//' left out: the run was interrupted')
     study%stopped = study%stopped .or. ends_here
   end function ends_here
-
-  !> Reads the printed values first, so that a wrong file fails before anything is computed.
-  subroutine find_published(study, folder, error)
-    type(study_t), intent(inout) :: study
-    character(*), intent(in) :: folder
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: path, text
-
-    path = beside(folder, study%case%published)
-    call read_text(path, text, error)
-    if (.not. allocated(error)) call read_published(path, text, study%published, error)
-  end subroutine find_published
 end module gearsweep_study_run_study

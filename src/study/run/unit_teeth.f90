@@ -58,7 +58,9 @@ contains
     real(dp), intent(in) :: radius(:)
     type(tooth_modes_t), intent(out) :: teeth(2)
     type(error_t), allocatable, intent(inout) :: error
-    integer :: i
+    integer :: i, n
+    character(*), parameter :: quantity(2) = [character(27) :: 'tangent at the fillet (deg)', 'number of modes']
+    character(*), parameter :: key(2) = [character(11) :: 'tangent_deg', 'modes']
 
     call stages%running%need_modes(stages%body_inputs, choice%modes, error)
     if (.not. allocated(error)) then
@@ -70,20 +72,11 @@ contains
         call damp_modes(choice%damping, teeth(i), '&'//group//' rayleigh_alpha_1_s', error)
       end do
     end if
-    if (allocated(error)) call name_keys(group, error)
+    if (allocated(error)) then
+      do i = 1, size(key)
+        n = len_trim(quantity(i))
+        if (index(error%message, quantity(i)(:n)) == 1) error%message = '&'//group//' '//trim(key(i))//error%message(n + 1:)
+      end do
+    end if
   end subroutine find_unit_teeth
-
-  !> Names the keys of this task in an error on quantities that several tasks have.
-  subroutine name_keys(group, error)
-    character(*), intent(in) :: group
-    type(error_t), intent(inout) :: error
-    character(*), parameter :: quantity(2) = [character(27) :: 'tangent at the fillet (deg)', 'number of modes']
-    character(*), parameter :: key(2) = [character(11) :: 'tangent_deg', 'modes']
-    integer :: i, n
-
-    do i = 1, size(key)
-      n = len_trim(quantity(i))
-      if (index(error%message, quantity(i)(:n)) == 1) error%message = '&'//group//' '//trim(key(i))//error%message(n + 1:)
-    end do
-  end subroutine name_keys
 end module gearsweep_study_run_unit_teeth

@@ -157,10 +157,15 @@ contains
     type(oscillator_t) :: motion(size(methods))
     type(sweep_t) :: sweep
     integer :: i
+    type(case_variation_t) :: case
 
     stopped = .false.
     do i = 1, size(methods)
-      call relieve_both(inputs, methods(i)%amount, motion(i), error)
+      associate (amount => methods(i)%amount)
+        case = case_variation_t(inputs, maxval(amount))
+        if (case%relief > 0) case%inputs%motion%relief%fraction = amount/case%relief
+        call case%build(motion(i), error)
+      end associate
       if (allocated(error)) return
       methods(i)%error_range = error_range(motion(i))
     end do
@@ -173,19 +178,6 @@ contains
     end do
   end subroutine judge_reliefs
 
-  !> Builds the oscillator of a case with these amounts of relief at the tips of pinion and gear (m).
-  subroutine relieve_both(inputs, amount, motion, error)
-    type(motions_inputs_t), intent(in) :: inputs
-    real(dp), intent(in) :: amount(2)
-    type(oscillator_t), intent(out) :: motion
-    type(error_t), allocatable, intent(inout) :: error
-    type(case_variation_t) :: case
-
-    case = case_variation_t(inputs, maxval(amount))
-    if (case%relief > 0) case%inputs%motion%relief%fraction = amount/case%relief
-    call case%build(motion, error)
-  end subroutine relieve_both
-
   !> Peak-to-peak static transmission error under the static load of a motion (m).
   pure real(dp) function error_range(motion)
     type(oscillator_t), intent(in) :: motion
@@ -194,34 +186,6 @@ contains
     call find_harmonics(motion%mesh, motion%load, 1, harmonics)
     error_range = harmonics%peak_to_peak()
   end function error_range
-
-  !> Finds the amount of relief (m) between 0 and `largest` of least peak-to-peak static transmission error: a scan, then finer
-  !> scans around the best amount, as the curve has kinks. `within`: distance from the minimum at most (m).
-  subroutine least_error_relief(inputs, largest, amount, within, error)
-    type(motions_inputs_t), intent(in) :: inputs
-    real(dp), intent(in) :: largest
-    real(dp), intent(out) :: amount, within
-    type(error_t), allocatable, intent(inout) :: error
-    integer, parameter :: scan = 16, rounds = 4
-    type(oscillator_t) :: motion
-    real(dp) :: range(0:scan), first, last
-    integer :: i, round, best
-
-    first = 0
-    last = largest
-    do round = 1, rounds
-      do i = 0, scan
-        call with_relief(inputs, first + (last - first)*i/scan, motion, error)
-        if (allocated(error)) return
-        range(i) = error_range(motion)
-      end do
-      best = minloc(range, 1) - 1
-      amount = first + (last - first)*best/scan
-      within = (last - first)/scan
-      first = max(0.0_dp, amount - within)
-      last = min(largest, amount + within)
-    end do
-  end subroutine least_error_relief
 
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
@@ -292,7 +256,23 @@ contains
       options%is_counted = .false.
       call judge_reliefs(inputs, stages%rpm, options, methods, stopped, error)
       if (allocated(error) .or. stopped) return
-      call fill_methods(methods, self%tables(self%place(group)), error)
+      associate (table => self%tables(self%place(group)))
+        call table%over('tip reliefs by several methods, and what they do', error, &
+                        axis('method', '', 'none: without relief; markovic_vrcan: bending and half the flattening by the '// &
+                        'formula; whole_flattening: bending and all of it; finite_elements: the deflection by finite elements, '// &
+                        'of the stiffness model fe; transmission_error: the least peak-to-peak static transmission error; '// &
+                        'dynamic_factor: the least of the largest dynamic factors over the speeds, where one has an answer', &
+                        [methods%name]))
+        if (allocated(error)) return
+        call table%add('pinion_relief_um', 'um', 'amount of relief at the pinion''s tip', [methods%amount(1)])
+        call table%add('gear_relief_um', 'um', 'amount of relief at the gear''s tip', [methods%amount(2)])
+        call table%add('within_um', 'um', 'the least lies so near; NaN for methods that look for none', &
+                       merge(methods%within, no_number(), methods%within >= 0))
+        call table%add('ste_range_um', 'um', 'peak-to-peak static transmission error with this relief', [methods%error_range])
+        call table%add('worst_dynamic_factor', '', of_worst, factor_of(methods%worst))
+        call table%add('rpm', '1/min', 'speed of the pinion where that is', speed_of(methods%worst))
+        call table%add('points_without_answer', '', 'speeds without an answer', [methods%failed])
+      end associate
       call self%fill_teeth(stages, teeth, error)
       call fill_curve(stages, optimum, self%tables(self%place('relief_curve')), error)
       call fill_flank(stages, self%flank, methods, self%tables(self%place('relief_flank')), error)
@@ -335,11 +315,28 @@ contains
     type(optimum_t), intent(in) :: optimum
     type(relief_method_t), allocatable, intent(out) :: methods(:)
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: amount, within
-    integer :: i
+    integer, parameter :: scan = 16, rounds = 4
+    real(dp) :: amount, within, range(0:scan), first, last
+    integer :: i, round, best
+    type(oscillator_t) :: motion
 
     associate (inputs => stages%motions_inputs, fraction => stages%motions_inputs%motion%relief%fraction)
-      call least_error_relief(inputs, largest_relief(inputs), amount, within, error)
+      ! Finds the amount of relief (m) between 0 and `largest` of least peak-to-peak static transmission error: a scan, then finer
+      ! scans around the best amount, as the curve has kinks. `within`: distance from the minimum at most (m).
+      first = 0
+      last = largest_relief(inputs)
+      do round = 1, rounds
+        do i = 0, scan
+          call with_relief(inputs, first + (last - first)*i/scan, motion, error)
+          if (allocated(error)) return
+          range(i) = error_range(motion)
+        end do
+        best = minloc(range, 1) - 1
+        amount = first + (last - first)*best/scan
+        within = (last - first)/scan
+        first = max(0.0_dp, amount - within)
+        last = min(largest_relief(inputs), amount + within)
+      end do
       if (allocated(error)) return
       methods = [relief_method_t('none'), relief_method_t('markovic_vrcan', formula_relief(teeth%formula, .false.)), &
                  relief_method_t('whole_flattening', formula_relief(teeth%formula, .true.))]
@@ -352,29 +349,6 @@ contains
       end do
     end associate
   end subroutine list_methods
-
-  !> Fills a table with one row for each method.
-  pure subroutine fill_methods(methods, table, error)
-    type(relief_method_t), intent(in) :: methods(:)
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-
-    call table%over('tip reliefs by several methods, and what they do', error, &
-                    axis('method', '', 'none: without relief; markovic_vrcan: bending and half the flattening by the formula; '// &
-                    'whole_flattening: bending and all of it; finite_elements: the deflection by finite elements, of '// &
-                    'the stiffness model fe; transmission_error: the least peak-to-peak static transmission error; '// &
-                    'dynamic_factor: the least of the largest dynamic factors over the speeds, where one has an answer', &
-                    [methods%name]))
-    if (allocated(error)) return
-    call table%add('pinion_relief_um', 'um', 'amount of relief at the pinion''s tip', [methods%amount(1)])
-    call table%add('gear_relief_um', 'um', 'amount of relief at the gear''s tip', [methods%amount(2)])
-    call table%add('within_um', 'um', 'the least lies so near; NaN for methods that look for none', &
-                   merge(methods%within, no_number(), methods%within >= 0))
-    call table%add('ste_range_um', 'um', 'peak-to-peak static transmission error with this relief', [methods%error_range])
-    call table%add('worst_dynamic_factor', '', of_worst, factor_of(methods%worst))
-    call table%add('rpm', '1/min', 'speed of the pinion where that is', speed_of(methods%worst))
-    call table%add('points_without_answer', '', 'speeds without an answer', [methods%failed])
-  end subroutine fill_methods
 
   !> Fills the table of the inputs of the deflections.
   subroutine fill_teeth(self, stages, teeth, error)

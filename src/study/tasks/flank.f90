@@ -26,7 +26,7 @@ module gearsweep_study_tasks_flank
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
     procedure :: check, uses
-    procedure, private :: read_surfaces, read_friction, follow, fill_losses
+    procedure, private :: fill_losses
   end type flank_task_t
 
   character(*), parameter :: group = 'flank'
@@ -56,7 +56,9 @@ contains
     class(flank_task_t), intent(inout) :: self
     type(reader_t), intent(inout) :: reader
     type(error_t), allocatable, intent(inout) :: error
-    character(sentence_length) :: geared
+    character(sentence_length) :: geared, by_formula
+    logical :: stated
+    real(dp), allocatable :: conductivity(:), specific_heat(:)
 
     call reader%add_group(group, 'The task flank: what happens between the flanks in contact, and what friction costs.')
     geared = unless(.not. is_prescribed(reader), needs_gears)
@@ -65,18 +67,6 @@ contains
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'dynamic_load', self%dynamic_load, error, tasks=group, refused=geared, &
                     meaning='beside the static load, which stiffness and relief share, also that of the motion at each speed')
-    call self%read_friction(reader, geared, error)
-    call self%read_surfaces(reader, geared, error)
-  end subroutine read_keys
-
-  subroutine read_friction(self, reader, geared, error)
-    class(flank_task_t), intent(inout) :: self
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: geared
-    type(error_t), allocatable, intent(inout) :: error
-    character(sentence_length) :: by_formula
-    logical :: stated
-
     call reader%get(group, 'friction_coefficient', self%rule%coefficient, error, given=stated, tasks=group, refused=geared, &
                     at_least=0.0_dp, below=1.0_dp, otherwise='the mean one by ISO/TR 14179-2, from speed, load, oil and '// &
                     'roughness', meaning='coefficient of friction between the flanks, the same all along the path')
@@ -86,15 +76,6 @@ contains
                     meaning='arithmetic mean roughness Ra of both flanks, for the coefficient of friction')
     call reader%get(group, 'oil_factor', self%rule%oil_factor, error, tasks=group, refused=by_formula, at_least=0.1_dp, &
                     at_most=10.0_dp, meaning='X_L of the oil, for the coefficient of friction: 1 for mineral oil')
-  end subroutine read_friction
-
-  subroutine read_surfaces(self, reader, geared, error)
-    class(flank_task_t), intent(inout) :: self
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: geared
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: conductivity(:), specific_heat(:)
-
     associate (surfaces => self%surfaces)
       call reader%get(group, 'viscosity_mpa_s', surfaces%viscosity, error, unit='mPa s', tasks=group, refused=geared, &
                       at_least=1e-3_dp, at_most=1e6_dp, meaning='dynamic viscosity of the oil at the temperature at which it '// &
@@ -114,7 +95,7 @@ contains
       surfaces%specific_heat = specific_heat([1, size(specific_heat)])
       self%rule%viscosity = surfaces%viscosity
     end associate
-  end subroutine read_surfaces
+  end subroutine read_keys
 
   !> Refuses more paths than the table can hold.
   subroutine check(self, facts, error)
@@ -137,11 +118,40 @@ contains
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
     type(path_t), allocatable :: paths(:)
-    integer :: i
+    integer :: i, k, n, kinds
+    type(path_t) :: static
+    type(response_t) :: response
+    integer, allocatable :: which(:)
 
     self%surfaces%material = stages%material
-    call self%follow(stages, paths, error)
-    if (allocated(error) .or. .not. allocated(paths)) return
+    call self%list_reliefs(stages, which)
+    kinds = merge(2, 1, self%dynamic_load)
+    call claim_memory(kinds*size(which)*size(self%own_rpm)*20000.0_dp, '&flank rpm: '//str(size(which)*size(self%own_rpm))// &
+                      ' paths', error)
+    if (allocated(error)) return
+    allocate (paths(kinds*size(which)*size(self%own_rpm)))
+    n = 0
+    do i = 1, size(which)
+      associate (motion => stages%motion(which(i)))
+        static = path_t(relief=stages%amount(which(i)))
+        call follow_static(stages%pair, motion, static)
+        do k = 1, size(self%own_rpm)
+          if (wants_stop(stages%accuracy%steady%stop)) return
+          static%rpm = self%own_rpm(k)
+          static%friction = mean_friction(self%rule, stages%pair, stages%load, angular(static%rpm))
+          static%input = stages%load*stages%pair%gear(1)%base_radius(drive)*angular(static%rpm)
+          n = n + 1
+          paths(n) = static
+          if (.not. self%dynamic_load) cycle
+          n = n + 1
+          paths(n) = static
+          call find_motion(motion, static%rpm, stages%accuracy, response, paths(n)%motions)
+          call follow_motion(stages%pair, response, stages%load, '&flank rpm', paths(n), error)
+          if (allocated(error)) return
+          call stages%running%tell(1, stages%accuracy%steady%stop)
+        end do
+      end associate
+    end do
     call claim_memory(sum([(size(paths(i)%s)*1.0_dp, i=1, size(paths))])*storage_size(contact_t())/8, 'the task flank', error)
     if (allocated(error)) return
     do i = 1, size(paths)
@@ -156,49 +166,6 @@ contains
     self%failed = count(.not. has_result(paths%status))
     self%log = 'flank: '//str(size(paths))//' paths of contact followed'
   end subroutine run
-
-  !> Computes the loads over the paths of all reliefs at all speeds; not allocated if the run was interrupted.
-  subroutine follow(self, stages, paths, error)
-    class(flank_task_t), intent(in) :: self
-    type(stages_t), intent(in) :: stages
-    type(path_t), allocatable, intent(out) :: paths(:)
-    type(error_t), allocatable, intent(inout) :: error
-    type(path_t), allocatable :: found(:)
-    type(path_t) :: static
-    type(response_t) :: response
-    integer, allocatable :: which(:)
-    integer :: i, k, n, kinds
-
-    call self%list_reliefs(stages, which)
-    kinds = merge(2, 1, self%dynamic_load)
-    call claim_memory(kinds*size(which)*size(self%own_rpm)*20000.0_dp, '&flank rpm: '//str(size(which)*size(self%own_rpm))// &
-                      ' paths', error)
-    if (allocated(error)) return
-    allocate (found(kinds*size(which)*size(self%own_rpm)))
-    n = 0
-    do i = 1, size(which)
-      associate (motion => stages%motion(which(i)))
-        static = path_t(relief=stages%amount(which(i)))
-        call follow_static(stages%pair, motion, static)
-        do k = 1, size(self%own_rpm)
-          if (wants_stop(stages%accuracy%steady%stop)) return
-          static%rpm = self%own_rpm(k)
-          static%friction = mean_friction(self%rule, stages%pair, stages%load, angular(static%rpm))
-          static%input = stages%load*stages%pair%gear(1)%base_radius(drive)*angular(static%rpm)
-          n = n + 1
-          found(n) = static
-          if (.not. self%dynamic_load) cycle
-          n = n + 1
-          found(n) = static
-          call find_motion(motion, static%rpm, stages%accuracy, response, found(n)%motions)
-          call follow_motion(stages%pair, response, stages%load, '&flank rpm', found(n), error)
-          if (allocated(error)) return
-          call stages%running%tell(1, stages%accuracy%steady%stop)
-        end do
-      end associate
-    end do
-    call move_alloc(found, paths)
-  end subroutine follow
 
   !> Fills a row for each point of each path.
   pure subroutine fill_contacts(stages, paths, table, error)

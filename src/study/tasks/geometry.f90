@@ -15,7 +15,6 @@ module gearsweep_study_tasks_geometry
   contains
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
-    procedure, private :: add_teeth
   end type geometry_task_t
 
 contains
@@ -41,44 +40,61 @@ contains
     class(geometry_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: pinion(:, :), gear(:, :)
+    integer :: i
+    real(dp) :: s(5)
 
-    call fill_pair(stages%pair, self%tables(self%place('geometry')), error)
+    associate (table => self%tables(self%place('geometry')))
+      call table%begin('the gear pair', 1, error)
+      if (allocated(error)) return
+      associate (spec => stages%pair%gear(1)%spec, widths => stages%pair%gear%spec%face_width)
+        call table%add('module_mm', 'mm', 'normal module', [spec%module])
+        call table%add('pressure_angle_deg', 'deg', 'of the drive flanks on the reference circle', [spec%pressure_angle(drive)])
+        call table%add('coast_angle_deg', 'deg', 'of the coast flanks on the reference circle', [spec%pressure_angle(coast)])
+        call table%add('face_width_mm', 'mm', 'face width of the contact', [minval(widths)])
+        call table%add('centre_distance_mm', 'mm', 'centre distance', [stages%pair%centre_distance])
+        call table%add('working_angle_deg', 'deg', 'working pressure angle of the drive flanks', [stages%pair%working_angle(drive)])
+        call table%add('coast_working_angle_deg', 'deg', 'working pressure angle of the coast flanks', &
+          [stages%pair%working_angle(coast)])
+        call table%add('backlash_um', 'um', 'along the line of action: as backlash_um of &pair states it, '// &
+                       'else what centre distance and tooth thickness leave', [max(0.0_dp, stages%pair%backlash)])
+        call table%add('rounding_um', 'um', 'how far the centre distance lies below the one without backlash, by rounding of '// &
+                       'the inputs', [stages%pair%rounding])
+        call table%add('shorten_path', '', '1 where the path of contact may end where undercut ends an involute, else 0', &
+                       [merge(1, 0, stages%pair%may_shorten)])
+        call table%add('contact_ratio', '', 'transverse contact ratio: the path of contact in base pitches', &
+                       [stages%pair%contact_ratio])
+        call table%add('coast_contact_ratio', '', 'the same of the coast flanks, where they carry; undercut takes its part off', &
+                       [stages%pair%coast_contact_ratio])
+        call table%add('base_pitch_mm', 'mm', 'of the drive flanks', [stages%pair%base_pitch])
+      end associate
+    end associate
     call fill_gears(stages%pair, self%tables(self%place('gears')), error)
-    call fill_points(stages%pair, self%tables(self%place('contact_points')), error)
-    if (self%is_named) call fill_outline(stages%pair, self%tables(self%place('outline')), error)
+    associate (table => self%tables(self%place('contact_points')))
+      call table%over('points of the path of contact: A start, B and D where another pair leaves and enters, P pitch point, '// &
+                      'E end', error, axis('point', '', 'its letter', ['A', 'B', 'P', 'D', 'E']))
+      if (allocated(error)) return
+      s = stages%pair%points()
+      call table%add('s', '', 'path coordinate from A, in base pitches', s)
+      call table%add('pinion_radius_mm', 'mm', 'radius at which the pinion touches', stages%pair%radius(1, s))
+      call table%add('gear_radius_mm', 'mm', 'radius at which the gear touches', stages%pair%radius(2, s))
+    end associate
+    if (self%is_named) then
+      associate (table => self%tables(self%place('outline')))
+        call shown_outline(stages%pair%gear(1), pinion)
+        call shown_outline(stages%pair%gear(2), gear)
+        associate (n => size(pinion, 2), m => size(gear, 2))
+          call table%begin('outline of both gears, each about its own centre', n + m, error)
+          if (allocated(error)) return
+          call table%add_index(axis('gear', '', 'pinion or gear', gear_names([(1, i=1, n), (2, i=1, m)])))
+          call table%add('x_mm', 'mm', 'across the tooth that stands upright, towards its drive side', [pinion(1, :), gear(1, :)])
+          call table%add('y_mm', 'mm', 'along the axis of that tooth', [pinion(2, :), gear(2, :)])
+        end associate
+      end associate
+    end if
     self%is_done = .true.
     self%log = 'geometry: pair built'
   end subroutine run
-
-  !> Fills the table of the gear pair.
-  pure subroutine fill_pair(pair, table, error)
-    type(pair_t), intent(in) :: pair
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-
-    call table%begin('the gear pair', 1, error)
-    if (allocated(error)) return
-    associate (spec => pair%gear(1)%spec, widths => pair%gear%spec%face_width)
-      call table%add('module_mm', 'mm', 'normal module', [spec%module])
-      call table%add('pressure_angle_deg', 'deg', 'of the drive flanks on the reference circle', [spec%pressure_angle(drive)])
-      call table%add('coast_angle_deg', 'deg', 'of the coast flanks on the reference circle', [spec%pressure_angle(coast)])
-      call table%add('face_width_mm', 'mm', 'face width of the contact', [minval(widths)])
-      call table%add('centre_distance_mm', 'mm', 'centre distance', [pair%centre_distance])
-      call table%add('working_angle_deg', 'deg', 'working pressure angle of the drive flanks', [pair%working_angle(drive)])
-      call table%add('coast_working_angle_deg', 'deg', 'working pressure angle of the coast flanks', [pair%working_angle(coast)])
-      call table%add('backlash_um', 'um', 'along the line of action: as backlash_um of &pair states it, '// &
-                     'else what centre distance and tooth thickness leave', [max(0.0_dp, pair%backlash)])
-      call table%add('rounding_um', 'um', 'how far the centre distance lies below the one without backlash, by rounding of '// &
-                     'the inputs', [pair%rounding])
-      call table%add('shorten_path', '', '1 where the path of contact may end where undercut ends an involute, else 0', &
-                     [merge(1, 0, pair%may_shorten)])
-      call table%add('contact_ratio', '', 'transverse contact ratio: the path of contact in base pitches', &
-                     [pair%contact_ratio])
-      call table%add('coast_contact_ratio', '', 'the same of the coast flanks, where they carry; undercut takes its part off', &
-                     [pair%coast_contact_ratio])
-      call table%add('base_pitch_mm', 'mm', 'of the drive flanks', [pair%base_pitch])
-    end associate
-  end subroutine fill_pair
 
   !> Fills the table of the two gears and their circles.
   pure subroutine fill_gears(pair, table, error)
@@ -137,42 +153,6 @@ contains
     if (.not. length > 0) measured = no_number()
   end function measured
 
-  !> Fills the table of points of the path of contact.
-  pure subroutine fill_points(pair, table, error)
-    type(pair_t), intent(in) :: pair
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: s(5)
-
-    call table%over('points of the path of contact: A start, B and D where another pair leaves and enters, P pitch point, '// &
-                    'E end', error, axis('point', '', 'its letter', ['A', 'B', 'P', 'D', 'E']))
-    if (allocated(error)) return
-    s = pair%points()
-    call table%add('s', '', 'path coordinate from A, in base pitches', s)
-    call table%add('pinion_radius_mm', 'mm', 'radius at which the pinion touches', pair%radius(1, s))
-    call table%add('gear_radius_mm', 'mm', 'radius at which the gear touches', pair%radius(2, s))
-  end subroutine fill_points
-
-  !> Fills the outlines of both gears as points, clockwise, centres at the origin.
-  pure subroutine fill_outline(pair, table, error)
-    type(pair_t), intent(in) :: pair
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: pinion(:, :), gear(:, :)
-    integer :: i
-
-    if (allocated(error)) return
-    call shown_outline(pair%gear(1), pinion)
-    call shown_outline(pair%gear(2), gear)
-    associate (n => size(pinion, 2), m => size(gear, 2))
-      call table%begin('outline of both gears, each about its own centre', n + m, error)
-      if (allocated(error)) return
-      call table%add_index(axis('gear', '', 'pinion or gear', gear_names([(1, i=1, n), (2, i=1, m)])))
-      call table%add('x_mm', 'mm', 'across the tooth that stands upright, towards its drive side', [pinion(1, :), gear(1, :)])
-      call table%add('y_mm', 'mm', 'along the axis of that tooth', [pinion(2, :), gear(2, :)])
-    end associate
-  end subroutine fill_outline
-
   pure subroutine add_report(self, lines)
     class(geometry_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
@@ -200,15 +180,6 @@ contains
       end do
       call lines%add(' mm')
     end associate
-    call self%add_teeth(lines)
-  end subroutine add_report
-
-  !> Reports deviations from plain gears: tips, undercut, thickness, a shortened path or one close to interference.
-  pure subroutine add_teeth(self, lines)
-    class(geometry_task_t), intent(in) :: self
-    type(lines_t), intent(inout) :: lines
-    integer :: i
-
     associate (pair => self%tables(self%place('geometry')), gears => self%tables(self%place('gears')))
       do i = 1, 2
         associate (tip => gears%number('tip_diameter_mm', i), form => gears%number('tip_form_diameter_mm', i))
@@ -232,7 +203,7 @@ contains
           str(gears%number('generating_shift', i))//trim(span_of(gears, i))//trim(pins_of(gears, i)))
       end do
     end associate
-  end subroutine add_teeth
+  end subroutine add_report
 
   !> Span measurement of a gear in words; empty if no teeth can be spanned.
   pure function span_of(gears, i) result(words)

@@ -178,31 +178,6 @@ contains
     size_at = maxval(abs(response_to(tooth%model, [row], place, angular)))
   end function size_at
 
-  !> Fills the speeds at which harmonics of the mesh frequency meet natural frequencies (Hz): that of the gears on the mesh, the
-  !> first one, and those of the section, the others. `teeth`: of the pinion.
-  subroutine fill_speeds(frequency, teeth, harmonics, table, error)
-    real(dp), intent(in) :: frequency(:)
-    integer, intent(in) :: teeth, harmonics
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    character(7), parameter :: systems(2) = [character(7) :: 'gears', 'section']
-    integer, allocatable :: mode(:)
-    integer :: i, k, n
-
-    if (allocated(error)) return
-    n = size(frequency)
-    mode = [1, (i, i=1, n - 1)]
-    call table%begin('speeds at which harmonics of the mesh frequency meet natural frequencies', n*harmonics, error)
-    if (allocated(error)) return
-    call table%add_index(axis('system', '', 'gears: both gears on the mean mesh stiffness; section: the teeth of one gear', &
-                              systems(each([(merge(1, 2, i == 1), i=1, n)], harmonics))))
-    call table%add_index(axis('mode', '', of_mode, each(mode, harmonics)))
-    call table%add_index(axis('harmonic', '', 'of the mesh frequency', [((k, k=1, harmonics), i=1, n)]))
-    call table%add('frequency_hz', 'Hz', 'natural frequency', each(frequency, harmonics))
-    call table%add('rpm', '1/min', 'speed of the pinion at which this harmonic meets it', &
-                   each(60*frequency/teeth, harmonics)/[((k, k=1, harmonics), i=1, n)])
-  end subroutine fill_speeds
-
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
@@ -246,7 +221,10 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(tooth_modes_t) :: teeth(2)
     type(steady_load_t) :: load
-    real(dp), allocatable :: angular(:)
+    character(7), parameter :: systems(2) = [character(7) :: 'gears', 'section']
+    real(dp), allocatable :: angular(:), frequency(:)
+    integer, allocatable :: mode(:)
+    integer :: i, k, n
 
     if (allocated(error)) return
     call self%place_load(stages, load, error)
@@ -256,15 +234,30 @@ contains
                            min(stages%pair%radius(stages%gear, load%s), gear%tip_radius), teeth, error)
     end associate
     if (allocated(error)) return
-    call check_damping(teeth(1), error)
+    ! Resonances of undamped modes are unbounded.
+    k = minloc(teeth(1)%model%damping, 1)
+    if (.not. teeth(1)%model%damping(k) > 0) call fail(error, code_input, '&harmonic damping_ratio: mode '//str(k)// &
+      ' is not damped, and so its resonance has no bounds; must be above 0')
     if (allocated(error)) return
     load%error_share = stress_error_share(stages%running%bodies)
     allocate (angular, source=frequencies_around(teeth(1)%model, 2*pi*self%frequency))
     call fill_response(load, teeth, angular, self%tables(self%place('harmonic')), error)
     associate (modal => stages%running%modal)
       call fill_resonances(load, teeth, modal%error_estimate, self%tables(self%place('section_resonances')), error)
-      call fill_speeds([stages%motion(1)%natural_frequency/(2*pi), modal%modes%frequency], stages%pair%gear(1)%spec%teeth, &
-                       self%harmonics, self%tables(self%place('campbell')), error)
+      associate (table => self%tables(self%place('campbell')))
+        frequency = [stages%motion(1)%natural_frequency/(2*pi), modal%modes%frequency]
+        n = size(frequency)
+        mode = [1, (i, i=1, n - 1)]
+        call table%begin('speeds at which harmonics of the mesh frequency meet natural frequencies', n*self%harmonics, error)
+        if (allocated(error)) return
+        call table%add_index(axis('system', '', 'gears: both gears on the mean mesh stiffness; section: the teeth of one gear', &
+                                  systems(each([(merge(1, 2, i == 1), i=1, n)], self%harmonics))))
+        call table%add_index(axis('mode', '', of_mode, each(mode, self%harmonics)))
+        call table%add_index(axis('harmonic', '', 'of the mesh frequency', [((k, k=1, self%harmonics), i=1, n)]))
+        call table%add('frequency_hz', 'Hz', 'natural frequency', each(frequency, self%harmonics))
+        call table%add('rpm', '1/min', 'speed of the pinion at which this harmonic meets it', &
+                       each(60*frequency/stages%pair%gear(1)%spec%teeth, self%harmonics)/[((k, k=1, self%harmonics), i=1, n)])
+      end associate
     end associate
     self%is_done = .not. allocated(error)
     self%log = 'harmonic: '//str(size(angular))//' frequencies'
@@ -293,17 +286,6 @@ contains
     if (any(self%s > stages%pair%contact_ratio)) call fail(error, code_input, '&harmonic s = '//str(maxval(self%s))// &
       ': must be at most the contact ratio '//str(stages%pair%contact_ratio, 6))
   end subroutine place_load
-
-  !> Refuses undamped modes, whose resonances are unbounded.
-  pure subroutine check_damping(tooth, error)
-    type(tooth_modes_t), intent(in) :: tooth
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: k
-
-    k = minloc(tooth%model%damping, 1)
-    if (.not. tooth%model%damping(k) > 0) call fail(error, code_input, '&harmonic damping_ratio: mode '//str(k)// &
-      ' is not damped, and so its resonance has no bounds; must be above 0')
-  end subroutine check_damping
 
   pure subroutine add_report(self, lines)
     class(harmonic_task_t), intent(in) :: self

@@ -63,7 +63,7 @@ module gearsweep_study_tasks_life
   contains
     procedure, nopass :: describe
     procedure :: read_keys, check, uses, run, add_report
-    procedure, private :: read_spectrum, read_strength, read_curves, follow
+    procedure, private :: read_strength, read_curves
   end type life_task_t
 
   character(*), parameter :: group = 'life'
@@ -93,8 +93,9 @@ contains
     type(oscillator_t) :: osc
     type(response_t) :: response
     type(path_t) :: path
-    real(dp) :: factor
+    real(dp) :: factor, dynamic
     integer :: i
+    type(nominal_t) :: nominal
 
     case = case_variation_t(stages%motions_inputs, stages%amount(relief))
     call case%set(vary_force, stages%load*load_factor)
@@ -118,31 +119,19 @@ contains
       part%root(i) = root_life(stages%pair, i, path%pair, path%s, factor*path%load, stages%iso%rim_thickness(i), &
                                rule%stress_ratio, rule%strength(i), rule%curve(i))
     end do
-    if (rule%has_contact()) call rate_flanks(stages, osc, load_factor, rule, part)
+    if (rule%has_contact()) then
+      ! K_v by Method A as in the task `rating`, and one load cycle for each engagement.
+      ! Source: ISO 6336-2 and ISO 6336-6:2006, clause 5 (Miner's sum).
+      dynamic = 1
+      if (rule%dynamic_load) dynamic = dynamic_factor_a(part%dynamic_factor, largest_share(osc))
+      nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, rule%factors%face_load, no_grade)
+      part%contact = contact_stress(nominal%contact, nominal%flank%single_pair, rule%factors, dynamic)*sqrt(load_factor)
+      do i = 1, 2
+        part%contact_is_over(i) = part%contact(i) > rule%contact(i)%stress(1)
+        part%contact_damage(i) = part%engagements(i)*damage_of(rule%contact(i), part%contact(i))
+      end do
+    end if
   end subroutine follow_part
-
-  !> Computes the contact stress by ISO 6336-2 under the load of the part, with K_v by Method A as in the task `rating`, and its
-  !> damage: one load cycle for each engagement.
-  !> Source: ISO 6336-6:2006, clause 5 (Miner's sum).
-  pure subroutine rate_flanks(stages, osc, load_factor, rule, part)
-    type(stages_t), intent(in) :: stages
-    type(oscillator_t), intent(in) :: osc        !< oscillator at the load of the part
-    real(dp), intent(in) :: load_factor
-    type(life_rule_t), intent(in) :: rule
-    type(part_t), intent(inout) :: part
-    type(nominal_t) :: nominal
-    real(dp) :: dynamic
-    integer :: i
-
-    dynamic = 1
-    if (rule%dynamic_load) dynamic = dynamic_factor_a(part%dynamic_factor, largest_share(osc))
-    nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, rule%factors%face_load, no_grade)
-    part%contact = contact_stress(nominal%contact, nominal%flank%single_pair, rule%factors, dynamic)*sqrt(load_factor)
-    do i = 1, 2
-      part%contact_is_over(i) = part%contact(i) > rule%contact(i)%stress(1)
-      part%contact_damage(i) = part%engagements(i)*damage_of(rule%contact(i), part%contact(i))
-    end do
-  end subroutine rate_flanks
 
   !> Fills a row for each relief, part and gear.
   subroutine fill_parts(rule, spectrum, amount, parts, table, error)
@@ -328,10 +317,19 @@ contains
     type(reader_t), intent(inout) :: reader
     type(error_t), allocatable, intent(inout) :: error
     character(sentence_length) :: geared
+    integer, parameter :: most = 1000
 
     call reader%add_group(group, 'The task life: fatigue of tooth roots and flanks under a load spectrum.')
     geared = unless(.not. is_prescribed(reader), needs_gears)
-    call self%read_spectrum(reader, geared, error)
+    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
+                    at_least=1e-6_dp, at_most=1e9_dp, max_size=most, &
+                    meaning='speed of the pinion in each part of the load spectrum')
+    call reader%get(group, 'load_factor', self%load_factor, error, tasks=group, refused=geared, at_least=1e-6_dp, &
+                    at_most=1e6_dp, max_size=most, otherwise='1 in each part', &
+                    meaning='load of each part over that of the case')
+    call reader%get(group, 'duration_h', self%duration, error, unit='h', required=.true., tasks=group, refused=geared, &
+                    above=0.0_dp, at_most=1e12_dp, max_size=most, &
+                    meaning='how long each part lasts within one pass of the spectrum')
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'dynamic_load', self%rule%dynamic_load, error, tasks=group, refused=geared, &
                     meaning='the load of the motion at each speed; false: the static load, as stiffness and relief share it')
@@ -342,24 +340,6 @@ contains
                     '-1 or less for an idler, whose teeth are loaded on both')
     call self%read_curves(reader, geared, error)
   end subroutine read_keys
-
-  subroutine read_spectrum(self, reader, geared, error)
-    class(life_task_t), intent(inout) :: self
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: geared
-    type(error_t), allocatable, intent(inout) :: error
-    integer, parameter :: most = 1000
-
-    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
-                    at_least=1e-6_dp, at_most=1e9_dp, max_size=most, &
-                    meaning='speed of the pinion in each part of the load spectrum')
-    call reader%get(group, 'load_factor', self%load_factor, error, tasks=group, refused=geared, at_least=1e-6_dp, &
-                    at_most=1e6_dp, max_size=most, otherwise='1 in each part', &
-                    meaning='load of each part over that of the case')
-    call reader%get(group, 'duration_h', self%duration, error, unit='h', required=.true., tasks=group, refused=geared, &
-                    above=0.0_dp, at_most=1e12_dp, max_size=most, &
-                    meaning='how long each part lasts within one pass of the spectrum')
-  end subroutine read_spectrum
 
   !> Reads the rule for the mean stress, for an S-N curve of the case.
   subroutine read_strength(self, reader, refused, error)
@@ -476,17 +456,29 @@ contains
     class(life_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
-    type(part_t), allocatable :: parts(:, :)
+    type(part_t), allocatable :: parts(:, :)             ! (part of the spectrum, relief)
     type(spectrum_t) :: spectrum
     character(material_length) :: of_root(2)
     integer, allocatable :: which(:)
+    integer :: i, k
 
     if (allocated(error)) return
     self%rule%factors%application = stages%iso%application_factor
     if (.not. allocated(self%load_factor)) allocate (self%load_factor(size(self%own_rpm)), source=1.0_dp)
     call self%list_reliefs(stages, which)
-    call self%follow(stages, which, parts, error)
-    if (allocated(error) .or. .not. allocated(parts)) return
+    call claim_memory(1000.0_dp*size(which)*size(self%own_rpm), '&life rpm: '//str(size(which)*size(self%own_rpm))// &
+                      ' parts', error)
+    if (allocated(error)) return
+    allocate (parts(size(self%own_rpm), size(which)))
+    do i = 1, size(which)
+      do k = 1, size(self%own_rpm)
+        if (wants_stop(stages%accuracy%steady%stop)) return
+        call follow_part(stages, which(i), self%own_rpm(k), self%load_factor(k), self%duration(k), self%rule, &
+                         parts(k, i), error)
+        if (allocated(error)) return
+        if (self%rule%dynamic_load) call stages%running%tell(1, stages%accuracy%steady%stop)
+      end do
+    end do
     spectrum = spectrum_t(self%own_rpm, self%load_factor, self%duration)
     call fill_parts(self%rule, spectrum, stages%amount(which), parts, self%tables(self%place('life_parts')), error)
     call fill_life(self%rule, spectrum, stages%amount(which), parts, self%tables(self%place('life')), error)
@@ -502,32 +494,6 @@ contains
     self%failed = count(.not. has_result(parts%status))
     self%log = 'life: '//str(size(parts))//' parts of load spectra followed'
   end subroutine run
-
-  !> Computes each part of the spectrum with each relief; not allocated if the run was interrupted.
-  subroutine follow(self, stages, which, parts, error)
-    class(life_task_t), intent(in) :: self
-    type(stages_t), intent(in) :: stages
-    integer, intent(in) :: which(:)
-    type(part_t), allocatable, intent(out) :: parts(:, :)  ! (part of the spectrum, relief)
-    type(error_t), allocatable, intent(inout) :: error
-    type(part_t), allocatable :: found(:, :)
-    integer :: i, k
-
-    call claim_memory(1000.0_dp*size(which)*size(self%own_rpm), '&life rpm: '//str(size(which)*size(self%own_rpm))// &
-                      ' parts', error)
-    if (allocated(error)) return
-    allocate (found(size(self%own_rpm), size(which)))
-    do i = 1, size(which)
-      do k = 1, size(self%own_rpm)
-        if (wants_stop(stages%accuracy%steady%stop)) return
-        call follow_part(stages, which(i), self%own_rpm(k), self%load_factor(k), self%duration(k), self%rule, &
-                         found(k, i), error)
-        if (allocated(error)) return
-        if (self%rule%dynamic_load) call stages%running%tell(1, stages%accuracy%steady%stop)
-      end do
-    end do
-    call move_alloc(found, parts)
-  end subroutine follow
 
   pure subroutine add_report(self, lines)
     class(life_task_t), intent(in) :: self

@@ -41,7 +41,6 @@ module gearsweep_study_tasks_load
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
     procedure :: check, uses
-    procedure, private :: add_torque_tables
   end type load_task_t
 
 contains
@@ -99,8 +98,9 @@ contains
     type(response_t), allocatable :: response(:, :)        ! (relief, speed)
     integer, allocatable :: motions(:, :)                  ! number of motions; (relief, speed)
     real(dp), allocatable :: corner(:, :)                  ! uncertainty from the tip corners' stiffness; (relief, speed)
-    type(torque_run_t), allocatable :: torque(:, :)        ! (speed, relief)
+    type(torque_run_t), allocatable :: torque(:)           ! the first relief at all speeds, then the next one
     integer :: i, k
+    real(dp) :: radius(2)
 
     associate (motion => stages%motion, rpm => self%own_rpm, accuracy => stages%accuracy)
       call claim_memory((1000.0_dp + 64*self%harmonics)*size(motion)*size(rpm), &
@@ -108,7 +108,7 @@ contains
       if (self%with_torque) call claim_torques(size(motion)*size(rpm), self%harmonics, error)
       if (allocated(error)) return
       allocate (motions(size(motion), size(rpm)))
-      if (self%with_torque) allocate (torque(size(rpm), size(motion)))
+      if (self%with_torque) allocate (torque(size(rpm)*size(motion)))
       allocate (response(size(motion), size(rpm)), corner(merge(size(motion), 0, stages%has_corners()), size(rpm)))
       do k = 1, size(rpm)
         do i = 1, size(motion)
@@ -118,9 +118,11 @@ contains
             '&sweep load_rpm = '//str(rpm(k))//': the memory does not hold the motion')
           if (allocated(error)) return
           if (self%with_torque) then
-            torque(k, i)%point = response(i, k)%point
-            torque(k, i)%motions = motions(i, k)
-            call follow_torque(stages, i, rpm(k), self%harmonics, torque(k, i), error)
+            associate (run => torque(k + (i - 1)*size(rpm)))
+              run%point = response(i, k)%point
+              run%motions = motions(i, k)
+              call follow_torque(stages, i, rpm(k), self%harmonics, run, error)
+            end associate
             if (allocated(error)) return
           end if
           if (size(corner) > 0) call find_corner_estimate(motion(i), rpm(k), accuracy, corner(i, k), response(i, k)%point)
@@ -131,7 +133,12 @@ contains
     call fill_paths(stages, response, self%tables(self%place('load')), error)
     call fill_points(stages, response, motions, corner, self%tables(self%place('load_points')), error)
     call fill_harmonics(stages, self%harmonics, response, self%tables(self%place('motion_harmonics')), error)
-    if (self%with_torque) call self%add_torque_tables([torque], stages, error)
+    if (self%with_torque) then
+      radius = [(stages%pair%gear(i)%base_radius(drive), i=1, 2)]
+      call fill_torque(torque, radius, self%tables(self%place('torque')), error)
+      call fill_torque_points(torque, size(self%own_rpm), radius, self%tables(self%place('torque_points')), error)
+      call fill_torque_harmonics(torque, radius, self%tables(self%place('torque_harmonics')), error)
+    end if
     self%is_done = .true.
     associate (status => response%point%steady%status)
       self%is_stopped = any(status == status_stopped)
@@ -139,21 +146,6 @@ contains
     end associate
     self%log = 'load: '//str(size(response))//' motions followed over the path'
   end subroutine run
-
-  !> Fills the tables of the torques: `runs` has the first relief at all speeds, then the next one.
-  subroutine add_torque_tables(self, runs, stages, error)
-    class(load_task_t), intent(inout) :: self
-    type(torque_run_t), intent(in) :: runs(:)
-    type(stages_t), intent(in) :: stages
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: radius(2)
-    integer :: i
-
-    radius = [(stages%pair%gear(i)%base_radius(drive), i=1, 2)]
-    call fill_torque(runs, radius, self%tables(self%place('torque')), error)
-    call fill_torque_points(runs, size(self%own_rpm), radius, self%tables(self%place('torque_points')), error)
-    call fill_torque_harmonics(runs, radius, self%tables(self%place('torque_harmonics')), error)
-  end subroutine add_torque_tables
 
   !> Fills the load of one pair along its path (Dogan et al. 2021, Figs. 5, 6).
   pure subroutine fill_paths(stages, response, table, error)
@@ -210,7 +202,9 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: factor(:), estimate(:)
     integer, allocatable :: status(:)
+    logical, allocatable :: found(:)
     integer :: i, k, m, n
+    real(dp) :: values(size(response, 1), size(response, 2))
 
     m = size(response, 1)
     n = size(response, 2)
@@ -222,7 +216,8 @@ contains
       factor = [((point(i, k)%dynamic_factor, k=1, n), i=1, m)]
       estimate = [((point(i, k)%estimate, k=1, n), i=1, m)]
       status = [((point(i, k)%steady%status, k=1, n), i=1, m)]
-      where (.not. has_result(status))
+      found = has_result(status)
+      where (.not. found)
         factor = no_number()
         estimate = no_number()
       end where
@@ -233,26 +228,14 @@ contains
       call table%add('motions', '', of_motions, [transpose(known_count(motions))])
     end associate
     if (size(corner) > 0) call table%add('corner_estimate', '', of_corner, [transpose(corner)])
-    call add_loads(stages%load, response, has_result(status), table)
-    call add_motion(response, has_result(status), table)
-  end subroutine fill_points
-
-  !> Adds columns of the loads other than the largest of a pair.
-  pure subroutine add_loads(load, response, found, table)
-    real(dp), intent(in) :: load                 ! static load, N
-    type(response_t), intent(in) :: response(:, :)
-    logical, intent(in) :: found(:)
-    type(table_t), intent(inout) :: table
-    real(dp) :: values(size(response, 1), size(response, 2))
-
     associate (summary => response%summary)
-      call add_found('coast_factor', '', of_coast, response%point%steady%coast_peak/load, found, table)
+      call add_found('coast_factor', '', of_coast, response%point%steady%coast_peak/stages%load, found, table)
       call add_found('mean_load_ratio', '', 'mean elastic load of the mesh over the static load: all pairs less the coast '// &
-                     'sides; what is left is carried by damping', summary%load%mean/load, found, table)
+                     'sides; what is left is carried by damping', summary%load%mean/stages%load, found, table)
       call add_found('load_rms_ratio', '', 'root mean square deviation of that load from its mean, over the static load', &
-                     summary%load%rms/load, found, table)
+                     summary%load%rms/stages%load, found, table)
       call add_found('pair_load_rms_ratio', '', 'root mean square of the load on a pair over its path, over the static load', &
-                     summary%pair_rms/load, found, table)
+                     summary%pair_rms/stages%load, found, table)
     end associate
     values = response%summary%impacts
     call add_found('impacts', '', 'how often flanks meet after all had been apart, in a mesh period', values, found, table)
@@ -261,21 +244,13 @@ contains
                    values, found, table)
     values = response%summary%apart
     call add_found('separation_share', '', 'part of the time during which all flanks are apart', values, found, table)
-  end subroutine add_loads
-
-  !> Adds columns of the dynamic transmission error.
-  pure subroutine add_motion(response, found, table)
-    type(response_t), intent(in) :: response(:, :)
-    logical, intent(in) :: found(:)
-    type(table_t), intent(inout) :: table
-
     associate (error => response%summary%error)
       call add_found('dte_mean_um', 'um', 'mean dynamic transmission error', (error%mean), found, table)
       call add_found('dte_rms_um', 'um', 'root mean square deviation from that', (error%rms), found, table)
       call add_found('dte_peak_to_peak_um', 'um', 'largest less least dynamic transmission error', &
                      (error%largest - error%least), found, table)
     end associate
-  end subroutine add_motion
+  end subroutine fill_points
 
   !> Adds a column with values at the converged points.
   pure subroutine add_found(name, unit, meaning, values, found, table)

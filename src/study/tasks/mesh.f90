@@ -52,7 +52,7 @@ contains
     type(interval_t), allocatable :: intervals(:)
     type(harmonics_t), allocatable :: ste(:)
     real(dp), allocatable :: corner(:), grid(:, :)
-    integer :: i
+    integer :: i, n, m
 
     allocate (corner(size(stages%motion)), source=0.0_dp)
     allocate (grid(2, size(stages%motion)), source=0.0_dp)
@@ -76,7 +76,21 @@ contains
     end associate
     call fill_path(stages, sharing, self%tables(self%place('mesh')), error)
     call fill_ste(stages, sharing, ste, corner, grid, self%tables(self%place('transmission_error')), error)
-    call fill_harmonics(stages%amount, ste, self%tables(self%place('harmonics')), error)
+    associate (table => self%tables(self%place('harmonics')))
+      m = size(ste)
+      n = size(ste(1)%amplitude) + 1
+      call table%over('static transmission error for each relief, as the sum of amplitude '// &
+                      'cos(2 pi harmonic tau + phase) over '// &
+                      'the mesh phase tau, 0 where a pair enters at A; harmonic 0 is the mean', error, &
+                      axis('relief_um', 'um', of_relief, stages%amount), &
+                      axis('harmonic', '', '0 for the mean, 1, 2 ... up to ste_harmonics', [(i, i=0, n - 1)]))
+      if (allocated(error)) return
+      call table%add('amplitude_um', 'um', 'half of peak-to-peak; the mean for harmonic 0', &
+                     [([ste(i)%mean, ste(i)%amplitude], i=1, m)])
+      call table%add('phase_deg', 'deg', 'where the amplitude is larger than its error', [([0.0_dp, ste(i)%phase], i=1, m)])
+      call table%add('error_estimate_um', 'um', 'estimated error of mean and amplitudes, without rounding errors', &
+                     each([ste%error_estimate], n))
+    end associate
     call fill_compliance(stages%motion(1)%mesh, sharing(1), self%tables(self%place('compliance')), error)
     self%is_done = .true.
     self%log = 'mesh: static load sharing and transmission error'
@@ -232,29 +246,6 @@ contains
     call table%add('corner_estimate_um', 'um', 'what a tenth of the stiffness at a tip corner, with nonlinear_contact 3 % of '// &
                    'it, changes of the transmission error where it changes most: it is not known better', corner)
   end subroutine fill_ste
-
-  !> Fills harmonics of the static transmission error for each relief; harmonic 0 is the mean.
-  pure subroutine fill_harmonics(amount, ste, table, error)
-    real(dp), intent(in) :: amount(:)            ! amounts of relief, m
-    type(harmonics_t), intent(in) :: ste(:)
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i, n, m
-
-    m = size(ste)
-    n = size(ste(1)%amplitude) + 1
-    call table%over('static transmission error for each relief, as the sum of amplitude '// &
-                    'cos(2 pi harmonic tau + phase) over '// &
-                    'the mesh phase tau, 0 where a pair enters at A; harmonic 0 is the mean', error, &
-                    axis('relief_um', 'um', of_relief, amount), &
-                    axis('harmonic', '', '0 for the mean, 1, 2 ... up to ste_harmonics', [(i, i=0, n - 1)]))
-    if (allocated(error)) return
-    call table%add('amplitude_um', 'um', 'half of peak-to-peak; the mean for harmonic 0', &
-                   [([ste(i)%mean, ste(i)%amplitude], i=1, m)])
-    call table%add('phase_deg', 'deg', 'where the amplitude is larger than its error', [([0.0_dp, ste(i)%phase], i=1, m)])
-    call table%add('error_estimate_um', 'um', 'estimated error of mean and amplitudes, without rounding errors', &
-                   each([ste%error_estimate], n))
-  end subroutine fill_harmonics
 
   !> Fills the deflection of each pair under a load on each other one, if pairs share a compliance: the matrix of the load sharing
   !> and of the motion, at the phases of the table mesh. It does not depend on the relief.

@@ -44,15 +44,36 @@ contains
     class(modal_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
+    integer :: i
 
     call stages%running%need_modes(stages%body_inputs, self%modes, error)
     if (allocated(error)) return
     associate (modal => stages%running%modal)
       call fill_section(modal%section, gear_names(stages%gear), self%tables(self%place('section')), error)
       if (allocated(error)) return
-      call fill_modes(modal, self%tables(self%place('modal')), error)
-      call fill_energy(modal%modes%participation, self%tables(self%place('mode_energy')), error)
-      call fill_shapes(modal%modes%shape, self%tables(self%place('mode_shapes')), error)
+      associate (table => self%tables(self%place('modal')), modes => modal%modes, n => size(modal%modes%frequency))
+        call table%over('natural frequencies of the section', error, axis('mode', '', of_mode, [(i, i=1, n)]))
+        if (allocated(error)) return
+        call table%add('frequency_hz', 'Hz', 'natural frequency', modes%frequency)
+        call table%add('error_estimate', '', 'estimated discretisation error, relative', modal%error_estimate)
+        call table%add('residual', '', 'residual of the eigenvalue problem, relative', modes%residual)
+        call table%add('rim_share', '', 'kinetic energy of the body below the teeth over the whole', modes%participation(0, :))
+      end associate
+      associate (table => self%tables(self%place('mode_energy')), &
+                 parts => size(modal%modes%participation, 1), n => size(modal%modes%participation, 2))
+        call table%over('kinetic energy of each mode by part of the section', error, axis('mode', '', of_mode, [(i, i=1, n)]), &
+                        axis('tooth', '', 'counted from the coast side; 0 for the body below the teeth', [(i, i=0, parts - 1)]))
+        if (allocated(error)) return
+        call table%add('energy_share', '', 'kinetic energy of this part over the whole', [modal%modes%participation])
+      end associate
+      associate (table => self%tables(self%place('mode_shapes')), m => size(modal%modes%shape, 2), n => size(modal%modes%shape, 3))
+        call table%over('mode shapes at the nodes of the section''s grid, for unit modal mass', error, &
+                        axis('mode', '', of_mode, [(i, i=1, n)]), axis('node', '', 'its number', [(i, i=1, m)]), &
+                        grid=grid_of_section)
+        if (allocated(error)) return
+        call table%add('shape_x', 'kg**-0.5', 'displacement in x over the modal coordinate', [modal%modes%shape(1, :, :)])
+        call table%add('shape_y', 'kg**-0.5', 'displacement in y over the modal coordinate', [modal%modes%shape(2, :, :)])
+      end associate
       call fill_nodes(modal%section%grid, self%tables(self%place('nodes')), error)
       call fill_elements(modal%section%grid, self%tables(self%place('elements')), error)
       self%grid = modal%section%grid
@@ -60,56 +81,6 @@ contains
     self%is_done = .true.
     self%log = 'modal: '//str(self%modes)//' modes'
   end subroutine run
-
-  pure subroutine fill_modes(modal, table, error)
-    type(modal_t), intent(in) :: modal
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    associate (modes => modal%modes, n => size(modal%modes%frequency))
-      call table%over('natural frequencies of the section', error, axis('mode', '', of_mode, [(i, i=1, n)]))
-      if (allocated(error)) return
-      call table%add('frequency_hz', 'Hz', 'natural frequency', modes%frequency)
-      call table%add('error_estimate', '', 'estimated discretisation error, relative', modal%error_estimate)
-      call table%add('residual', '', 'residual of the eigenvalue problem, relative', modes%residual)
-      call table%add('rim_share', '', 'kinetic energy of the body below the teeth over the whole', modes%participation(0, :))
-    end associate
-  end subroutine fill_modes
-
-  !> Fills the parts of the kinetic energy of each mode.
-  pure subroutine fill_energy(energy, table, error)
-    real(dp), intent(in) :: energy(:, :)         ! (part, mode); the first part is the rim
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    if (allocated(error)) return
-    associate (parts => size(energy, 1), n => size(energy, 2))
-      call table%over('kinetic energy of each mode by part of the section', error, axis('mode', '', of_mode, [(i, i=1, n)]), &
-                      axis('tooth', '', 'counted from the coast side; 0 for the body below the teeth', [(i, i=0, parts - 1)]))
-      if (allocated(error)) return
-      call table%add('energy_share', '', 'kinetic energy of this part over the whole', [energy])
-    end associate
-  end subroutine fill_energy
-
-  !> Fills the mode shapes at the nodes.
-  pure subroutine fill_shapes(shape, table, error)
-    real(dp), intent(in) :: shape(:, :, :)       ! (direction, node, mode)
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    if (allocated(error)) return
-    associate (m => size(shape, 2), n => size(shape, 3))
-      call table%over('mode shapes at the nodes of the section''s grid, for unit modal mass', error, &
-                      axis('mode', '', of_mode, [(i, i=1, n)]), axis('node', '', 'its number', [(i, i=1, m)]), &
-                      grid=grid_of_section)
-      if (allocated(error)) return
-      call table%add('shape_x', 'kg**-0.5', 'displacement in x over the modal coordinate', [shape(1, :, :)])
-      call table%add('shape_y', 'kg**-0.5', 'displacement in y over the modal coordinate', [shape(2, :, :)])
-    end associate
-  end subroutine fill_shapes
 
   pure subroutine add_report(self, lines)
     class(modal_task_t), intent(in) :: self

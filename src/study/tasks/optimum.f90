@@ -34,7 +34,7 @@ module gearsweep_study_tasks_optimum
   contains
     procedure, nopass :: describe
     procedure :: read_keys, check, uses, run, add_report, count_points
-    procedure, private :: is_joint, set_loads, find_amount, search_jointly, add_best, add_judged, add_loads
+    procedure, private :: is_joint, set_loads, find_amount, search_jointly, add_judged
   end type optimum_task_t
 
   character(*), parameter :: group = 'optimum'
@@ -263,6 +263,10 @@ contains
   pure subroutine add_report(self, lines)
     class(optimum_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
+    real(dp), parameter :: alike = 1e-4_dp       ! relative tolerance, as printed
+    character(20) :: name
+    real(dp) :: value
+    integer :: i
 
     associate (best => self%tables(self%place('optimum')), design => self%tables(self%place('optimum_design')))
       if (ieee_is_nan(best%number('relief_um'))) then
@@ -270,7 +274,26 @@ contains
         return
       end if
       if (.not. design%is_there()) then
-        call self%add_best(best, lines)
+        name = value_name(self%judge)
+        associate (curve => self%tables(self%place('optimum_curve')))
+          call lines%add(left('Best single amount', 19)//str(best%number('relief_um'), 4)//' um (within '// &
+                         str(best%number('within_um'), 1)//'),')
+          call self%add_judged(lines)
+          call lines%put(left('', 19)//trim(value_in(self%judge, best%number(trim(name)))))
+          if (.not. allocated(self%judge%share)) then
+            if (best%position('rpm') > 0) call lines%put(' at '//str(best%number('rpm'))//' rpm')
+            if (size(self%torque) > 1) call lines%put(' under '//str(best%number('torque_nm'))//' N m')
+          end if
+          if (.not. self%judge%needs_motion()) call lines%put('; without relief '//str(curve%number(trim(name), 1), 4)//' um')
+          call lines%add('')
+          if (best%position('largest_dynamic_factor') > 0) then
+            if (best%number('largest_dynamic_factor') > (1 + alike)*maxval(worst_factors(self))) call lines%add(left('', 19)// &
+              'of all motions that a start reaches at this speed, the largest has DF '// &
+              fixed(best%number('largest_dynamic_factor'), 4)//' (task attractors)')
+          end if
+          if (.not. best%number('relief_um') < curve%number('relief_um', curve%rows)) call lines%add(left('', 19)// &
+            'at the end of the range searched: more relief may be better still')
+        end associate
       else if (.not. ieee_is_nan(design%number('pinion_relief_um'))) then
         call lines%add(left('Best design', 19)//'pinion '//trim(relief_in(design, 'pinion'))//', gear '// &
                        trim(relief_in(design, 'gear'))//',')
@@ -279,37 +302,17 @@ contains
       end if
     end associate
     if (self%failed > 0) call lines%add(left('', 19)//str(self%failed)//' speeds have no answer there')
-    call self%add_loads(lines)
-  end subroutine add_report
-
-  pure subroutine add_best(self, best, lines)
-    class(optimum_task_t), intent(in) :: self
-    type(table_t), intent(in) :: best
-    type(lines_t), intent(inout) :: lines
-    real(dp), parameter :: alike = 1e-4_dp       ! relative tolerance, as printed
-    character(20) :: name
-
-    name = value_name(self%judge)
-    associate (curve => self%tables(self%place('optimum_curve')))
-      call lines%add(left('Best single amount', 19)//str(best%number('relief_um'), 4)//' um (within '// &
-                     str(best%number('within_um'), 1)//'),')
-      call self%add_judged(lines)
-      call lines%put(left('', 19)//trim(value_in(self%judge, best%number(trim(name)))))
-      if (.not. allocated(self%judge%share)) then
-        if (best%position('rpm') > 0) call lines%put(' at '//str(best%number('rpm'))//' rpm')
-        if (size(self%torque) > 1) call lines%put(' under '//str(best%number('torque_nm'))//' N m')
-      end if
-      if (.not. self%judge%needs_motion()) call lines%put('; without relief '//str(curve%number(trim(name), 1), 4)//' um')
-      call lines%add('')
-      if (best%position('largest_dynamic_factor') > 0) then
-        if (best%number('largest_dynamic_factor') > (1 + alike)*maxval(worst_factors(self))) call lines%add(left('', 19)// &
-          'of all motions that a start reaches at this speed, the largest has DF '// &
-          fixed(best%number('largest_dynamic_factor'), 4)//' (task attractors)')
-      end if
-      if (.not. best%number('relief_um') < curve%number('relief_um', curve%rows)) call lines%add(left('', 19)// &
-        'at the end of the range searched: more relief may be better still')
+    associate (loads => self%tables(self%place('optimum_loads')))
+      if (size(self%torque) < 2 .or. .not. loads%is_there()) return
+      do i = 1, loads%rows
+        value = loads%number(trim(value_name(self%judge)), i)
+        if (ieee_is_nan(value)) cycle
+        call lines%put(left('', 19)//'   '//str(loads%number('torque_nm', i))//' N m: '//trim(value_in(self%judge, value)))
+        if (loads%position('rpm') > 0) call lines%put(' at '//str(loads%number('rpm', i))//' rpm')
+        call lines%add('')
+      end do
     end associate
-  end subroutine add_best
+  end subroutine add_report
 
   !> Largest dynamic factor of the best amount under each load; one load if no torque is known.
   pure function worst_factors(self) result(factor)
@@ -351,25 +354,6 @@ contains
     end do
     call lines%add(words//' N m')
   end subroutine add_judged
-
-  !> Reports the results of the best reliefs under each of several torques.
-  pure subroutine add_loads(self, lines)
-    class(optimum_task_t), intent(in) :: self
-    type(lines_t), intent(inout) :: lines
-    real(dp) :: value
-    integer :: i
-
-    associate (loads => self%tables(self%place('optimum_loads')))
-      if (size(self%torque) < 2 .or. .not. loads%is_there()) return
-      do i = 1, loads%rows
-        value = loads%number(trim(value_name(self%judge)), i)
-        if (ieee_is_nan(value)) cycle
-        call lines%put(left('', 19)//'   '//str(loads%number('torque_nm', i))//' N m: '//trim(value_in(self%judge, value)))
-        if (loads%position('rpm') > 0) call lines%put(' at '//str(loads%number('rpm', i))//' rpm')
-        call lines%add('')
-      end do
-    end associate
-  end subroutine add_loads
 
   !> Name of the criterion's column.
   pure function value_name(judge) result(name)

@@ -262,8 +262,11 @@ contains
     type(section_body_t) :: grids(2)
     type(modal_t) :: modal
     type(root_stress_t) :: stress
-    type(stopwatch_t) :: making, vibrating, loading
+    type(stopwatch_t) :: making, vibrating, loading, watch
     integer :: i
+    type(elements_inputs_t) :: inputs
+    type(piecewise_t) :: curve
+    type(disc_t) :: disc
 
     making = stopwatch_t(fewest=laps)
     vibrating = making
@@ -287,31 +290,19 @@ contains
                        estimate=modal%error_estimate(i), seconds=making%shortest + vibrating%shortest), i=1, modes), &
              result_t('root_tension', 'elements', 1, -1.0_dp, -1.0_dp, 'MPa', across, 1e-6_dp*stress%tension%stress, &
                       estimate=stress%error_estimate, seconds=making%shortest + loading%shortest)]
-    if (allocated(stages%elements_inputs)) call add_stiffness(stages, across, laps, found, error)
+    if (allocated(stages%elements_inputs)) then
+      inputs = stages%elements_inputs
+      inputs%options%section%elements_across = across
+      inputs%options%section%others_across = min(4, across)
+      watch = stopwatch_t(fewest=laps)
+      do while (watch%goes_on())
+        call fe_stiffness(inputs%pair, inputs%material, inputs%options, inputs%line_load, curve, disc, error)
+        if (allocated(error)) return
+      end do
+      found = [found, result_t('pair_stiffness', 'elements', 1, -1.0_dp, -1.0_dp, 'N/um', across, &
+                               1e-6_dp*curve%value(stages%pair%contact_ratio/2), estimate=no_number(), seconds=watch%shortest)]
+    end if
   end subroutine solve_grids
-
-  !> Adds the stiffness of a pair in the middle of the path of contact.
-  subroutine add_stiffness(stages, across, laps, found, error)
-    type(stages_t), intent(in) :: stages
-    integer, intent(in) :: across, laps
-    type(result_t), allocatable, intent(inout) :: found(:)
-    type(error_t), allocatable, intent(inout) :: error
-    type(elements_inputs_t) :: inputs
-    type(piecewise_t) :: curve
-    type(disc_t) :: disc
-    type(stopwatch_t) :: watch
-
-    inputs = stages%elements_inputs
-    inputs%options%section%elements_across = across
-    inputs%options%section%others_across = min(4, across)
-    watch = stopwatch_t(fewest=laps)
-    do while (watch%goes_on())
-      call fe_stiffness(inputs%pair, inputs%material, inputs%options, inputs%line_load, curve, disc, error)
-      if (allocated(error)) return
-    end do
-    found = [found, result_t('pair_stiffness', 'elements', 1, -1.0_dp, -1.0_dp, 'N/um', across, &
-                             1e-6_dp*curve%value(stages%pair%contact_ratio/2), estimate=no_number(), seconds=watch%shortest)]
-  end subroutine add_stiffness
 
   !> Smallest number, at least `least`, that reaches `most` by doubling.
   pure integer function fewest(most, least)
@@ -483,7 +474,8 @@ contains
     type(lines_t), intent(inout) :: lines
     logical, allocatable :: is_new(:), mine(:)
     character(:), allocatable :: place
-    integer :: i
+    integer :: i, k, n, last
+    real(dp), parameter :: bounds(3) = [1e-2_dp, 1e-4_dp, 1e-6_dp]
 
     associate (table => self%tables(self%place('precision')))
       associate (quantity => table%columns(table%position('quantity'))%words, &
@@ -502,9 +494,23 @@ contains
           if (.not. is_new(i)) cycle
           mine = is_first .and. quantity == quantity(i) .and. method == method(i)
           is_new = is_new .and. .not. mine
+          ! The coarsest resolution comes first.
           call lines%put('   '//left(trim(quantity(i)), 20)//left(trim(method(i)), 12))
-          call add_line(nint(pack(table%numbers('resolution'), mine)), pack(table%numbers('error'), mine), &
-                        pack(table%numbers('error_estimate'), mine), lines)
+          associate (resolution => nint(pack(table%numbers('resolution'), mine)), error => pack(table%numbers('error'), mine), &
+                     estimate => pack(table%numbers('error_estimate'), mine))
+            n = size(resolution)
+            do k = 1, size(bounds)
+              do last = n, 1, -1
+                if (ieee_is_nan(error(last))) exit
+                if (error(last) > bounds(k)) exit
+              end do
+              if (last == n) call lines%put(right('-', 9))
+              if (last < n) call lines%put(right(str(resolution(last + 1)), 9))
+            end do
+            call lines%put(right(str(resolution(n)), 10)//right(str(error(n), 2), 11))
+            if (ieee_is_nan(estimate(n))) call lines%put(right('none', 11))
+            if (.not. ieee_is_nan(estimate(n))) call lines%put(right(str(estimate(n), 2), 11))
+          end associate
           call lines%add(right(trim(rounded_time(table%number('run_time_s', findloc(mine, .true., 1, back=.true.)))), time_width))
         end do
       end associate
@@ -523,28 +529,6 @@ contains
       if (.not. ieee_is_nan(values(i))) is_same(i) = .not. abs(values(i) - values(first)) > 0
     end do
   end function is_same
-
-  !> Adds a line for one quantity by one method, coarsest resolution first.
-  pure subroutine add_line(resolution, error, estimate, lines)
-    integer, intent(in) :: resolution(:)
-    real(dp), intent(in) :: error(:), estimate(:)
-    type(lines_t), intent(inout) :: lines
-    real(dp), parameter :: bounds(3) = [1e-2_dp, 1e-4_dp, 1e-6_dp]
-    integer :: i, k, n
-
-    n = size(resolution)
-    do k = 1, size(bounds)
-      do i = n, 1, -1
-        if (ieee_is_nan(error(i))) exit
-        if (error(i) > bounds(k)) exit
-      end do
-      if (i == n) call lines%put(right('-', 9))
-      if (i < n) call lines%put(right(str(resolution(i + 1)), 9))
-    end do
-    call lines%put(right(str(resolution(n)), 10)//right(str(error(n), 2), 11))
-    if (ieee_is_nan(estimate(n))) call lines%put(right('none', 11))
-    if (.not. ieee_is_nan(estimate(n))) call lines%put(right(str(estimate(n), 2), 11))
-  end subroutine add_line
 
   !> Formats a time in s to one digit, in us, ms or s: further digits differ from run to run.
   pure function rounded_time(seconds) result(words)

@@ -59,7 +59,6 @@ module gearsweep_study_tasks_rating
   contains
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
-    procedure, private :: read_method, read_accuracy, signed, add_life
   end type rating_task_t
 
   real(dp), parameter :: hour = 3600
@@ -122,30 +121,6 @@ contains
     limits%root = test_gear_correction*limits%root_number
   end subroutine read_material
 
-  !> Reads the allowable stress numbers of the case; `refused` as above. `limits` has the material.
-  subroutine read_limits(reader, refused, limits, error)
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: refused
-    type(limits_t), intent(inout) :: limits
-    type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: by_material = 'the material says it; give one of the two'
-    real(dp), allocatable :: contact(:), root(:)
-
-    call reader%get(group, 'contact_limit_mpa', contact, error, unit='MPa', tasks=group, &
-                    refused=first_of(refused, unless(.not. limits%has_material(), by_material)), above=0.0_dp, at_most=1e6_dp, &
-                    max_size=2, otherwise='that of the material; without one, no safety factor', &
-                    meaning='contact stress sigma_HG that both gears, or pinion and gear, bear, for the safety factor S_H: '// &
-                    'sigma_Hlim with its factors of life, lubrication and size')
-    call reader%get(group, 'root_limit_mpa', root, error, unit='MPa', tasks=group, &
-                    refused=first_of(refused, unless(.not. limits%has_material(), by_material)), above=0.0_dp, at_most=1e6_dp, &
-                    max_size=2, otherwise='that of the material; without one, no safety factor', &
-                    meaning='tooth root stress sigma_FG that they bear, for the safety factor S_F: sigma_FE with its factors '// &
-                    'of life, notch and size')
-    if (allocated(error)) return
-    if (allocated(contact)) limits%contact = contact([1, size(contact)])
-    if (allocated(root)) limits%root = root([1, size(root)])
-  end subroutine read_limits
-
   !> Reads K_H_beta, and K_H_alpha with K_F_alpha, which ISO 6336 computes from deviations and deflections that this program does
   !> not compute. In `life` only the contact stress uses them, which requires a material.
   subroutine read_load_factors(reader, refused, has_material, factors, error)
@@ -203,26 +178,6 @@ contains
       call lines%add('     flank: '//trim(life_curve_words('Z_NT', limits%contact_life(i))))
     end do
   end subroutine add_life_curves
-
-  !> Reports the inputs of the safety factors, from the table `rating_factors`.
-  pure subroutine add_ground(factors, lines)
-    type(table_t), intent(in) :: factors
-    type(lines_t), intent(inout) :: lines
-    character(:), allocatable :: ground(:)
-    integer :: grade
-
-    grade = nint(factors%number('accuracy_grade', 1))
-    call lines%add('   K_A '//str(factors%number('application_factor', 1), 4)//', K_H_beta '// &
-                   trim(told(factors%number('face_load_factor', 1)))//', K_H_alpha and K_F_alpha '// &
-                   trim(told(factors%number('transverse_load_factor', 1)))//'; accuracy grade '//str(grade))
-    ground = [of_gear(factors, 1), of_gear(factors, 2)]
-    if (ground(1) == ground(2)) then
-      call lines%add('   both gears: '//trim(ground(1)))
-    else
-      call lines%add('   pinion: '//trim(ground(1)))
-      call lines%add('   gear: '//trim(ground(2)))
-    end if
-  end subroutine add_ground
 
   !> Words of a load factor that only the case can state.
   pure function told(factor) result(words)
@@ -334,43 +289,20 @@ contains
     type(reader_t), intent(inout) :: reader
     type(error_t), allocatable, intent(inout) :: error
     character(sentence_length) :: geared
+    character(*), parameter :: by_material = 'the material says it; give one of the two'
+    real(dp), allocatable :: contact(:), root(:)
+    character(:), allocatable :: method
+    logical :: stated(2)
 
     call reader%add_group(group, 'The task rating: contact and tooth root stress by ISO 6336.')
     geared = unless(.not. is_prescribed(reader), needs_gears)
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
                     at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
-    call self%read_method(reader, geared, error)
-    call self%read_accuracy(reader, geared, error)
-    call read_material(reader, geared, self%limits, error)
-    call read_load_factors(reader, geared, self%limits%has_material(), self%factors, error)
-    call read_limits(reader, geared, self%limits, error)
-    call reader%get(group, 'life_h', self%life, error, unit='h', tasks=group, above=0.0_dp, at_most=1e9_dp, &
-                    refused=first_of(geared, unless(self%limits%has_material(), 'needs a material')), otherwise='none', &
-                    meaning='required life: the safety factors for as many load cycles, by Z_NT and Y_NT, are added to those '// &
-                    'of endurance')
-  end subroutine read_keys
-
-  subroutine read_method(self, reader, geared, error)
-    class(rating_task_t), intent(inout) :: self
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: geared
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: method
-
     method = methods(by_larger)
     call reader%get(group, 'dynamic_factor_method', method, error, tasks=group, refused=geared, allowed=methods, &
                     meaning='which K_v of ISO 6336-1 stresses and safety factors take: that of Method A (a: from the motion, '// &
                     'without deviations of the teeth), of Method B (b: by formula), or the larger of both')
     if (.not. allocated(error)) self%method = findloc(methods == method, .true., 1)
-  end subroutine read_method
-
-  subroutine read_accuracy(self, reader, geared, error)
-    class(rating_task_t), intent(inout) :: self
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: geared
-    type(error_t), allocatable, intent(inout) :: error
-    logical :: stated(2)
-
     call reader%get(group, 'pitch_deviation_um', self%accuracy%deviation(1), error, unit='um', given=stated(1), tasks=group, &
                     refused=geared, at_least=0.0_dp, at_most=1e4_dp, otherwise='what accuracy_grade allows', &
                     meaning='transverse base pitch deviation f_pb before running in, for K_v by Method B')
@@ -384,7 +316,26 @@ contains
                     at_most=1.0_dp, meaning='fraction of the deviations that running in takes: 0.075 for case-hardened and '// &
                     'nitrided gears')
     where (.not. stated) self%accuracy%deviation = -1
-  end subroutine read_accuracy
+    call read_material(reader, geared, self%limits, error)
+    call read_load_factors(reader, geared, self%limits%has_material(), self%factors, error)
+    call reader%get(group, 'contact_limit_mpa', contact, error, unit='MPa', tasks=group, &
+                    refused=first_of(geared, unless(.not. self%limits%has_material(), by_material)), above=0.0_dp, at_most=1e6_dp, &
+                    max_size=2, otherwise='that of the material; without one, no safety factor', &
+                    meaning='contact stress sigma_HG that both gears, or pinion and gear, bear, for the safety factor S_H: '// &
+                    'sigma_Hlim with its factors of life, lubrication and size')
+    call reader%get(group, 'root_limit_mpa', root, error, unit='MPa', tasks=group, &
+                    refused=first_of(geared, unless(.not. self%limits%has_material(), by_material)), above=0.0_dp, at_most=1e6_dp, &
+                    max_size=2, otherwise='that of the material; without one, no safety factor', &
+                    meaning='tooth root stress sigma_FG that they bear, for the safety factor S_F: sigma_FE with its factors '// &
+                    'of life, notch and size')
+    if (allocated(error)) return
+    if (allocated(contact)) self%limits%contact = contact([1, size(contact)])
+    if (allocated(root)) self%limits%root = root([1, size(root)])
+    call reader%get(group, 'life_h', self%life, error, unit='h', tasks=group, above=0.0_dp, at_most=1e9_dp, &
+                    refused=first_of(geared, unless(self%limits%has_material(), 'needs a material')), otherwise='none', &
+                    meaning='required life: the safety factors for as many load cycles, by Z_NT and Y_NT, are added to those '// &
+                    'of endurance')
+  end subroutine read_keys
 
   subroutine run(self, stages, error)
     class(rating_task_t), intent(inout) :: self
@@ -394,13 +345,25 @@ contains
     integer, allocatable :: motions(:, :)        ! number of motions
     type(method_b_t), allocatable :: of(:)                 ! inputs of Method B; (relief)
     type(nominal_t) :: nominal
-    integer :: grade
+    integer :: grade, i, k
+    logical :: lacks
 
     if (allocated(error)) return
     self%factors%application = stages%iso%application_factor
     call need_method_b(stages, self%accuracy, of, grade, error)
-    call find_points(self%own_rpm, stages, point, motions, error)
-    if (allocated(error) .or. .not. allocated(point)) return
+    call claim_memory(1000.0_dp*size(stages%motion)*size(self%own_rpm), '&rating rpm: '// &
+                      str(size(stages%motion)*size(self%own_rpm))//' motions', error)
+    if (allocated(error)) return
+    allocate (point(size(self%own_rpm), size(stages%motion)), motions(size(self%own_rpm), size(stages%motion)))
+    do i = 1, size(stages%motion)
+      do k = 1, size(self%own_rpm)
+        if (wants_stop(stages%accuracy%steady%stop)) return
+        call find_point(stages%motion(i), self%own_rpm(k), stages%accuracy, point(k, i), motions(k, i), lacks)
+        if (lacks) call fail(error, code_memory, '&rating rpm = '//str(self%own_rpm(k))//': the memory does not hold the motion')
+        if (allocated(error)) return
+        call stages%running%tell(1, stages%accuracy%steady%stop)
+      end do
+    end do
     nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade)
     call fill_dynamic(stages, self%own_rpm, of, point, motions, self%tables(self%place('dynamic_factors')), error)
     call fill_factors(stages, self%factors, nominal, of(1), self%limits, self%tables(self%place('rating_factors')), error)
@@ -410,34 +373,6 @@ contains
     self%failed = count(.not. has_result(point%steady%status))
     self%log = 'rating: '//str(size(point))//' operating points rated'
   end subroutine run
-
-  !> Finds the operating points at all speeds; not allocated if the run was interrupted.
-  subroutine find_points(rpm, stages, point, motions, error)
-    real(dp), intent(in) :: rpm(:)
-    type(stages_t), intent(in) :: stages
-    type(point_t), allocatable, intent(out) :: point(:, :)
-    integer, allocatable, intent(out) :: motions(:, :)     ! number of motions; (speed, relief)
-    type(error_t), allocatable, intent(inout) :: error
-    type(point_t), allocatable :: found(:, :)
-    logical :: lacks
-    integer :: i, k
-
-    if (allocated(error)) return
-    call claim_memory(1000.0_dp*size(stages%motion)*size(rpm), '&rating rpm: '//str(size(stages%motion)*size(rpm))// &
-                      ' motions', error)
-    if (allocated(error)) return
-    allocate (found(size(rpm), size(stages%motion)), motions(size(rpm), size(stages%motion)))
-    do i = 1, size(stages%motion)
-      do k = 1, size(rpm)
-        if (wants_stop(stages%accuracy%steady%stop)) return
-        call find_point(stages%motion(i), rpm(k), stages%accuracy, found(k, i), motions(k, i), lacks)
-        if (lacks) call fail(error, code_memory, '&rating rpm = '//str(rpm(k))//': the memory does not hold the motion')
-        if (allocated(error)) return
-        call stages%running%tell(1, stages%accuracy%steady%stop)
-      end do
-    end do
-    call move_alloc(found, point)
-  end subroutine find_points
 
   !> Fills K_v by both methods.
   pure subroutine fill_dynamic(stages, rpm, of, point, motions, table, error)
@@ -535,10 +470,11 @@ contains
     integer, intent(in) :: teeth(2)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: dynamic(:), contact(:), root(:), cycles(:), factor(:)
+    real(dp), allocatable :: dynamic(:), contact(:), root(:), cycles(:), factor(:), a(:), b(:)
     character(1), allocatable :: method(:)
     integer, allocatable :: gear(:)
     integer :: i, m, n
+    logical, allocatable :: takes_b(:)
 
     m = size(amount)
     n = size(self%own_rpm)
@@ -546,7 +482,14 @@ contains
                     axis('relief_um', 'um', of_relief, amount), axis('rpm', '1/min', of_speed, self%own_rpm), &
                     axis('gear', '', 'pinion or gear', gear_names))
     if (allocated(error)) return
-    call self%signed(method, dynamic)
+    associate (table => self%tables(self%place('dynamic_factors')))
+      a = each(table%numbers('dynamic_factor_a'), 2)
+      b = each(table%numbers('dynamic_factor_b'), 2)
+    end associate
+    takes_b = spread(self%method == by_b, 1, size(a))
+    if (self%method == by_larger) takes_b = b > a
+    dynamic = merge(b, a, takes_b)
+    method = merge('b', 'a', takes_b)
     gear = [(1, 2, i=1, m*n)]
     contact = contact_stress(nominal%contact, nominal%flank%single_pair(gear), self%factors, dynamic)
     root = tooth_root_stress(nominal%root(gear), self%factors, nominal%root_face_load, dynamic)
@@ -568,34 +511,27 @@ contains
     call table%add('root_life_safety', '', 'S_F for the required life', factor*self%limits%root(gear)/root)
   end subroutine fill_rating
 
-  !> Returns the K_v of each row of the table `rating` and its method. The larger of two is not defined if one is not known.
-  pure subroutine signed(self, method, factor)
-    class(rating_task_t), intent(in) :: self
-    character(1), allocatable, intent(out) :: method(:)
-    real(dp), allocatable, intent(out) :: factor(:)
-    real(dp), allocatable :: a(:), b(:)
-    logical, allocatable :: takes_b(:)
-
-    associate (table => self%tables(self%place('dynamic_factors')))
-      a = each(table%numbers('dynamic_factor_a'), 2)
-      b = each(table%numbers('dynamic_factor_b'), 2)
-    end associate
-    takes_b = spread(self%method == by_b, 1, size(a))
-    if (self%method == by_larger) takes_b = b > a
-    factor = merge(b, a, takes_b)
-    method = merge('b', 'a', takes_b)
-  end subroutine signed
-
   pure subroutine add_report(self, lines)
     class(rating_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i
+    integer :: i, grade
+    character(:), allocatable :: ground(:)
 
     call lines%add('')
     associate (rating => self%tables(self%place('rating')), dynamic => self%tables(self%place('dynamic_factors')), &
                factors => self%tables(self%place('rating_factors')))
       call lines%add('Rating by ISO 6336, with K_v '//trim(signs(self%method)))
-      call add_ground(factors, lines)
+      grade = nint(factors%number('accuracy_grade', 1))
+      call lines%add('   K_A '//str(factors%number('application_factor', 1), 4)//', K_H_beta '// &
+                     trim(told(factors%number('face_load_factor', 1)))//', K_H_alpha and K_F_alpha '// &
+                     trim(told(factors%number('transverse_load_factor', 1)))//'; accuracy grade '//str(grade))
+      ground = [of_gear(factors, 1), of_gear(factors, 2)]
+      if (ground(1) == ground(2)) then
+        call lines%add('   both gears: '//trim(ground(1)))
+      else
+        call lines%add('   pinion: '//trim(ground(1)))
+        call lines%add('   gear: '//trim(ground(2)))
+      end if
       call lines%add('   relief um         rpm   gear     K_v A   K_v B   sigma_H MPa     S_H   sigma_F MPa     S_F')
       do i = 1, rating%rows
         call lines%put(right(str(rating%number('relief_um', i)), 12)//right(str(rating%number('rpm', i)), 12)//'   '// &
@@ -609,28 +545,20 @@ contains
         call lines%add('')
       end do
       call add_several(dynamic, lines)
-      if (self%life > 0) call self%add_life(rating, lines)
+      if (self%life > 0) then
+        call lines%add('   for '//str(self%life/hour)//' h')
+        call add_life_curves(self%limits, lines)
+        call lines%add('   relief um         rpm   gear          N_L    Z_NT     S_H    Y_NT     S_F')
+        do i = 1, rating%rows
+          call lines%add(right(str(rating%number('relief_um', i)), 12)//right(str(rating%number('rpm', i)), 12)//'   '// &
+                         left(trim(rating%word('gear', i)), 6)//right(str(rating%number('load_cycles', i), 4), 11)// &
+                         shown(rating%number('contact_life_factor', i))//shown(rating%number('contact_life_safety', i))// &
+                         shown(rating%number('root_life_factor', i))//shown(rating%number('root_life_safety', i)))
+        end do
+      end if
     end associate
     call add_caution(self%tables(self%place('rating_factors')), lines)
   end subroutine add_report
-
-  !> Reports the safety factors for the required life.
-  pure subroutine add_life(self, rating, lines)
-    class(rating_task_t), intent(in) :: self
-    type(table_t), intent(in) :: rating
-    type(lines_t), intent(inout) :: lines
-    integer :: i
-
-    call lines%add('   for '//str(self%life/hour)//' h')
-    call add_life_curves(self%limits, lines)
-    call lines%add('   relief um         rpm   gear          N_L    Z_NT     S_H    Y_NT     S_F')
-    do i = 1, rating%rows
-      call lines%add(right(str(rating%number('relief_um', i)), 12)//right(str(rating%number('rpm', i)), 12)//'   '// &
-                     left(trim(rating%word('gear', i)), 6)//right(str(rating%number('load_cycles', i), 4), 11)// &
-                     shown(rating%number('contact_life_factor', i))//shown(rating%number('contact_life_safety', i))// &
-                     shown(rating%number('root_life_factor', i))//shown(rating%number('root_life_safety', i)))
-    end do
-  end subroutine add_life
 
   !> A factor in words.
   pure function shown(value) result(text)

@@ -207,6 +207,8 @@ contains
     type(design_t), intent(in), optional :: best
     type(oscillator_t), allocatable :: motion(:)
     type(errors_t) :: errors
+    real(dp), allocatable :: rms(:, :)
+    integer :: i
 
     stopped = .false.
     select type (context)
@@ -217,7 +219,16 @@ contains
       if (stopped) return
       if (context%needs_motion()) then
         call with_design(context%designs, number, motion, error)
-        if (.not. allocated(error)) call judge_motion(context, motion, design, stopped, error, best)
+        if (.not. allocated(error)) call sweep_design(motion, context%rpm, context%options, design, stopped, error, best, rms)
+        if (allocated(error)) return
+        ! The criterion of the dynamic transmission error is its root mean square over the speeds.
+        do i = 1, merge(0, size(motion), context%by == by_factor)
+          associate (known => .not. ieee_is_nan(rms(:, i)))
+            if (.not. any(known)) cycle
+            design%of_load(i) = sqrt(sum(rms(:, i)**2, mask=known)/count(known))
+            design%rpm(i) = context%rpm(maxloc(rms(:, i), 1, mask=known))
+          end associate
+        end do
       else
         call find_errors(context, number, errors, error, judged_only=.true.)
         if (.not. allocated(error)) call judge_static(context, errors, design)
@@ -228,28 +239,6 @@ contains
       if (allocated(context%share)) design%value = [context%combined(design%of_load)]
     end select
   end subroutine judge
-
-  !> Computes the criterion from the motion: for the dynamic transmission error, the root mean square over the speeds.
-  subroutine judge_motion(self, motion, design, stopped, error, best)
-    type(judge_t), intent(in) :: self
-    type(oscillator_t), intent(in) :: motion(:)
-    type(design_t), intent(inout) :: design
-    logical, intent(out) :: stopped
-    type(error_t), allocatable, intent(inout) :: error
-    type(design_t), intent(in), optional :: best
-    real(dp), allocatable :: rms(:, :)
-    integer :: i
-
-    call sweep_design(motion, self%rpm, self%options, design, stopped, error, best, rms)
-    if (allocated(error) .or. self%by == by_factor) return
-    do i = 1, size(motion)
-      associate (known => .not. ieee_is_nan(rms(:, i)))
-        if (.not. any(known)) cycle
-        design%of_load(i) = sqrt(sum(rms(:, i)**2, mask=known)/count(known))
-        design%rpm(i) = self%rpm(maxloc(rms(:, i), 1, mask=known))
-      end associate
-    end do
-  end subroutine judge_motion
 
   pure subroutine judge_static(self, errors, design)
     type(judge_t), intent(in) :: self
@@ -314,7 +303,11 @@ contains
         call try_amount(low + (high - low)*i/(inner + 1.0_dp))
       end do
     end do
-    if (curve%best > 0) call find_resolution(curve)
+    if (curve%best > 0) then
+      associate (amount => curve%amount, best => curve%best)
+        curve%resolution = max(amount(best) - amount(max(1, best - 1)), amount(min(size(amount), best + 1)) - amount(best))
+      end associate
+    end if
 
   contains
 
@@ -322,6 +315,9 @@ contains
       real(dp), intent(in) :: amount
       type(design_t) :: design
       type(errors_t) :: errors
+      logical, allocatable :: known(:)
+      integer, allocatable :: failed(:)
+      integer :: at, k, tried
 
       if (allocated(error) .or. curve%stopped .or. any(abs(curve%amount - amount) <= 1e-12_dp*amount)) return
       call find_errors(self, [amount/largest], errors, error)
@@ -334,49 +330,28 @@ contains
         call judge_static(self, errors, design)
         curve%stopped = wants_stop(self%options%accuracy%steady%stop)
       end if
-      call insert(self, amount, design, errors, curve)
+      tried = size(curve%amount) + 1
+      at = 1 + count(curve%amount < amount)
+      associate (order => [(k, k=1, at - 1), tried, (k, k=at, tried - 1)], loads => size(design%of_load))
+        curve%of_load = reshape([curve%of_load, design%of_load], [loads, tried])
+        curve%of_load = curve%of_load(:, order)
+        curve%rpm = reshape([curve%rpm, design%rpm], [loads, tried])
+        curve%rpm = curve%rpm(:, order)
+        curve%failed = reshape([curve%failed, design%failed], [loads, tried])
+        curve%failed = curve%failed(:, order)
+        curve%errors = [curve%errors, errors]
+        curve%errors = curve%errors(order)
+      end associate
+      curve%amount = [curve%amount(:at - 1), amount, curve%amount(at:)]
+      curve%value = [curve%value(:at - 1), self%combined(design%of_load), curve%value(at:)]
+      curve%is_bound = [curve%is_bound, .false.]
+      known = .not. ieee_is_nan(curve%value)
+      curve%best = 0
+      if (.not. any(known)) return
+      failed = sum(curve%failed, 1)
+      curve%best = minloc(curve%value, 1, mask=known .and. failed == minval(failed, mask=known))
     end subroutine try_amount
   end subroutine scan_amounts
-
-  pure subroutine insert(self, amount, design, errors, curve)
-    type(judge_t), intent(in) :: self
-    real(dp), intent(in) :: amount
-    type(design_t), intent(in) :: design
-    type(errors_t), intent(in) :: errors
-    type(amount_curve_t), intent(inout) :: curve
-    logical, allocatable :: known(:)
-    integer, allocatable :: failed(:)
-    integer :: at, i, n
-
-    n = size(curve%amount) + 1
-    at = 1 + count(curve%amount < amount)
-    associate (order => [(i, i=1, at - 1), n, (i, i=at, n - 1)], loads => size(design%of_load))
-      curve%of_load = reshape([curve%of_load, design%of_load], [loads, n])
-      curve%of_load = curve%of_load(:, order)
-      curve%rpm = reshape([curve%rpm, design%rpm], [loads, n])
-      curve%rpm = curve%rpm(:, order)
-      curve%failed = reshape([curve%failed, design%failed], [loads, n])
-      curve%failed = curve%failed(:, order)
-      curve%errors = [curve%errors, errors]
-      curve%errors = curve%errors(order)
-    end associate
-    curve%amount = [curve%amount(:at - 1), amount, curve%amount(at:)]
-    curve%value = [curve%value(:at - 1), self%combined(design%of_load), curve%value(at:)]
-    curve%is_bound = [curve%is_bound, .false.]
-    known = .not. ieee_is_nan(curve%value)
-    curve%best = 0
-    if (.not. any(known)) return
-    failed = sum(curve%failed, 1)
-    curve%best = minloc(curve%value, 1, mask=known .and. failed == minval(failed, mask=known))
-  end subroutine insert
-
-  pure subroutine find_resolution(curve)
-    type(amount_curve_t), intent(inout) :: curve
-
-    associate (amount => curve%amount, best => curve%best)
-      curve%resolution = max(amount(best) - amount(max(1, best - 1)), amount(min(size(amount), best + 1)) - amount(best))
-    end associate
-  end subroutine find_resolution
 
   !> Curve of a search for the least dynamic factor under one load, between amounts 0 and `largest` (m).
   subroutine curve_of(self, largest, optimum, curve, error)

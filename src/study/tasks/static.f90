@@ -102,6 +102,7 @@ contains
     type(root_rating_t), allocatable :: root(:)
     type(mesh_t), allocatable :: meshes(:)
     type(section_t) :: section
+    integer :: i, n, m
 
     if (allocated(error)) return
     self%options%gear = stages%gear
@@ -110,8 +111,34 @@ contains
     meshes = stages%motion%mesh
     call rate_root(stages%pair, meshes, stages%load, self%unit_stress, self%options, root, error)
     if (allocated(error)) return
-    call fill_static(stages%amount, root, self%tables(self%place('static')), error)
-    call fill_largest(stages%amount, root, self%tables(self%place('root_stress')), error)
+    associate (table => self%tables(self%place('static')))
+      m = size(root)
+      n = size(root(1)%s)
+      call table%begin('stress at tangent_deg of the fillet for each relief and position of the load', 2*n*m, error, &
+                       extent=[m, n, 2])
+      if (allocated(error)) return
+      call table%add_index(axis('relief_um', 'um', of_relief, each(stages%amount, 2*n)))
+      call table%add_index(axis('s', '', 'path coordinate of the load, in base pitches from A', [(each(root(i)%s, 2), i=1, m)]))
+      call table%add('radius_mm', 'mm', 'radius at which it acts on this gear', [(each(root(i)%radius, 2), i=1, m)])
+      call table%add('load_share', '', 'load of this pair over the whole load', [(each(root(i)%share, 2), i=1, m)])
+      call table%add_index(axis('side', '', 'drive (the loaded side: tension) or coast', sides([(drive, coast, i=1, n*m)])))
+      call table%add('sigma_mpa', 'MPa', 'stress along the surface', [(root(i)%along, i=1, m)])
+      call table%add('sigma_x_mpa', 'MPa', 'component across the tooth, x to its drive side', &
+                     [(root(i)%components(1, :, :), i=1, m)])
+      call table%add('sigma_y_mpa', 'MPa', 'component along the tooth''s axis y', [(root(i)%components(2, :, :), i=1, m)])
+      call table%add('tau_xy_mpa', 'MPa', 'shear component', [(root(i)%components(3, :, :), i=1, m)])
+    end associate
+    associate (table => self%tables(self%place('root_stress')), stress => root%stress)
+      call table%over('largest stress in the root fillets over the path of contact', error, &
+                      axis('relief_um', 'um', of_relief, stages%amount))
+      if (allocated(error)) return
+      call table%add('tension_mpa', 'MPa', 'largest tension along the surface', [stress%tension%stress])
+      call table%add('tension_deg', 'deg', 'angle of the fillet tangent there to the tooth''s axis', [stress%tension%tangent])
+      call table%add('compression_mpa', 'MPa', 'largest compression along the surface, negative', [stress%compression%stress])
+      call table%add('compression_deg', 'deg', 'angle of the fillet tangent there to the tooth''s axis', &
+                     [stress%compression%tangent])
+      call table%add('error_estimate', '', 'estimated error of the stresses, relative', [stress%error_estimate])
+    end associate
     call fill_rating(root(1), stages%gear, stages%pair, self%tables(self%place('root_rating')), error)
     if (allocated(stages%running%bodies)) section = stages%running%bodies(1)%section
     ! Stress of an earlier study needs no grid.
@@ -155,63 +182,37 @@ contains
     type(root_rating_t), intent(in) :: root(:)
     type(error_t), allocatable, intent(inout) :: error
     type(stress_field_t) :: field
+    integer :: i
 
     call stages%running%need_bodies(stages%body_inputs, error)
     if (allocated(error)) return
     call find_stress_field(stages%running%bodies(1), root, stages%load/minval(stages%pair%gear%spec%face_width), &
                            self%options%field_position, field, error)
     if (allocated(error)) return
-    call fill_load(stages%amount(field%relief), root(field%relief), field%position, self%tables(self%place('stress_load')), error)
-    call fill_stress(field%stress, self%tables(self%place('stress')), error)
+    associate (amount => stages%amount(field%relief), root => root(field%relief), table => self%tables(self%place('stress_load')))
+      call table%begin('the load under which the stress is given all over the section', 1, error)
+      if (allocated(error)) return
+      associate (k => field%position)
+        call table%add('relief_um', 'um', 'amount of relief: the one with the largest tension', [amount])
+        call table%add('position', '', 'of the load, counted from 1 in the table static', [k])
+        call table%add('s', '', 'path coordinate of the load, in base pitches from A', root%s(k:k))
+        call table%add('radius_mm', 'mm', 'radius at which it acts on this gear', root%radius(k:k))
+        call table%add('load_share', '', 'load of this pair over the whole load', root%share(k:k))
+      end associate
+    end associate
+    associate (table => self%tables(self%place('stress')), n => size(field%stress, 2))
+      call table%over('stress at the nodes of the section''s grid under the load of the table stress_load', error, &
+                      axis('node', '', 'its number', [(i, i=1, n)]), grid=grid_of_section)
+      if (allocated(error)) return
+      call table%add('sigma_x_mpa', 'MPa', 'component across the middle tooth, x to its drive side', field%stress(1, :))
+      call table%add('sigma_y_mpa', 'MPa', 'component along that tooth''s axis y', field%stress(2, :))
+      call table%add('tau_xy_mpa', 'MPa', 'shear component', field%stress(3, :))
+    end associate
     call fill_nodes(field%grid, self%tables(self%place('nodes')), error)
     call fill_elements(field%grid, self%tables(self%place('elements')), error)
     self%grid = field%grid
     call stages%running%note('static: stress all over the section under one position of the load')
   end subroutine add_field
-
-  !> Fills the stress at the fillet tangent of the case.
-  pure subroutine fill_static(amount, root, table, error)
-    real(dp), intent(in) :: amount(:)            ! amounts of relief, m
-    type(root_rating_t), intent(in) :: root(:)   ! ratings; (relief)
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i, n, m
-
-    m = size(root)
-    n = size(root(1)%s)
-    call table%begin('stress at tangent_deg of the fillet for each relief and position of the load', 2*n*m, error, &
-                     extent=[m, n, 2])
-    if (allocated(error)) return
-    call table%add_index(axis('relief_um', 'um', of_relief, each(amount, 2*n)))
-    call table%add_index(axis('s', '', 'path coordinate of the load, in base pitches from A', [(each(root(i)%s, 2), i=1, m)]))
-    call table%add('radius_mm', 'mm', 'radius at which it acts on this gear', [(each(root(i)%radius, 2), i=1, m)])
-    call table%add('load_share', '', 'load of this pair over the whole load', [(each(root(i)%share, 2), i=1, m)])
-    call table%add_index(axis('side', '', 'drive (the loaded side: tension) or coast', sides([(drive, coast, i=1, n*m)])))
-    call table%add('sigma_mpa', 'MPa', 'stress along the surface', [(root(i)%along, i=1, m)])
-    call table%add('sigma_x_mpa', 'MPa', 'component across the tooth, x to its drive side', [(root(i)%components(1, :, :), i=1, m)])
-    call table%add('sigma_y_mpa', 'MPa', 'component along the tooth''s axis y', [(root(i)%components(2, :, :), i=1, m)])
-    call table%add('tau_xy_mpa', 'MPa', 'shear component', [(root(i)%components(3, :, :), i=1, m)])
-  end subroutine fill_static
-
-  !> Fills the largest stress in the root fillets over the path of contact, for each relief.
-  pure subroutine fill_largest(amount, root, table, error)
-    real(dp), intent(in) :: amount(:)            ! amounts of relief, m
-    type(root_rating_t), intent(in) :: root(:)
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-
-    associate (stress => root%stress)
-      call table%over('largest stress in the root fillets over the path of contact', error, &
-                      axis('relief_um', 'um', of_relief, amount))
-      if (allocated(error)) return
-      call table%add('tension_mpa', 'MPa', 'largest tension along the surface', [stress%tension%stress])
-      call table%add('tension_deg', 'deg', 'angle of the fillet tangent there to the tooth''s axis', [stress%tension%tangent])
-      call table%add('compression_mpa', 'MPa', 'largest compression along the surface, negative', [stress%compression%stress])
-      call table%add('compression_deg', 'deg', 'angle of the fillet tangent there to the tooth''s axis', &
-                     [stress%compression%tangent])
-      call table%add('error_estimate', '', 'estimated error of the stresses, relative', [stress%error_estimate])
-    end associate
-  end subroutine fill_largest
 
   !> Fills the values by ISO 6336-3 and Lewis for the full load at the outer point of single contact.
   pure subroutine fill_rating(root, gear, pair, table, error)
@@ -240,42 +241,6 @@ contains
     call table%add('lewis_form_factor', '', 'Y = s^2/(6 h m): s tooth thickness and h lever arm where Lewis''s parabola '// &
                    'touches the fillet', [root%lewis])
   end subroutine fill_rating
-
-  !> Fills the load of the table `stress`; `amount` of relief in m.
-  pure subroutine fill_load(amount, root, position, table, error)
-    real(dp), intent(in) :: amount
-    type(root_rating_t), intent(in) :: root
-    integer, intent(in) :: position
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-
-    call table%begin('the load under which the stress is given all over the section', 1, error)
-    if (allocated(error)) return
-    associate (k => position)
-      call table%add('relief_um', 'um', 'amount of relief: the one with the largest tension', [amount])
-      call table%add('position', '', 'of the load, counted from 1 in the table static', [k])
-      call table%add('s', '', 'path coordinate of the load, in base pitches from A', root%s(k:k))
-      call table%add('radius_mm', 'mm', 'radius at which it acts on this gear', root%radius(k:k))
-      call table%add('load_share', '', 'load of this pair over the whole load', root%share(k:k))
-    end associate
-  end subroutine fill_load
-
-  !> Fills the stress at the nodes.
-  pure subroutine fill_stress(stress, table, error)
-    real(dp), intent(in) :: stress(:, :)         ! sigma_x, sigma_y, tau_xy, Pa; (3, node)
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    associate (n => size(stress, 2))
-      call table%over('stress at the nodes of the section''s grid under the load of the table stress_load', error, &
-                      axis('node', '', 'its number', [(i, i=1, n)]), grid=grid_of_section)
-      if (allocated(error)) return
-      call table%add('sigma_x_mpa', 'MPa', 'component across the middle tooth, x to its drive side', stress(1, :))
-      call table%add('sigma_y_mpa', 'MPa', 'component along that tooth''s axis y', stress(2, :))
-      call table%add('tau_xy_mpa', 'MPa', 'shear component', stress(3, :))
-    end associate
-  end subroutine fill_stress
 
   pure subroutine add_report(self, lines)
     class(static_task_t), intent(in) :: self

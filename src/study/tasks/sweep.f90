@@ -41,6 +41,10 @@ contains
     type(sweep_t) :: sweep
     type(all_motions_t) :: motions
     type(peak_t), allocatable :: resonance(:)
+    character(*), parameter :: of_peak = 'speed of the pinion at a peak of the dynamic factor: a resonance, or where a bent '// &
+      'branch of motions ends and the motion jumps'
+    type(peak_t), allocatable :: worst(:)
+    integer :: i, k, m, n
 
     options = stages%sweep_options()
     if (associated(stages%running%progress)) then
@@ -59,7 +63,18 @@ contains
     if (.not. self%is_stopped) resonance = find_resonances(sweep%rpm, sweep%dynamic_factor(:, minloc(stages%amount, 1)))
     call fill_sweep(stages, sweep, motions, self%tables(self%place('sweep')), error)
     call fill_worst(stages, sweep, self%is_stopped, self%tables(self%place('sweep_worst')), error)
-    call fill_resonances(stages%amount, sweep, [resonance%rpm], self%tables(self%place('resonances')), error)
+    associate (rpm => [resonance%rpm], table => self%tables(self%place('resonances')))
+      m = size(stages%amount)
+      n = size(rpm)
+      call table%over('largest dynamic factor of each relief about the peaks of the least relieved mesh, within 15 % and '// &
+                      'half-way to the next', error, axis('relief_um', 'um', of_relief, stages%amount), &
+                      axis('resonance_rpm', '1/min', of_peak, rpm))
+      if (allocated(error)) return
+      worst = [((worst_near(sweep%rpm, sweep%dynamic_factor(:, i), rpm, k), k=1, n), i=1, m)]
+      call table%add('dynamic_factor', '', 'largest DF within 15 % of that speed, and no farther than half-way to the next '// &
+                     'peak; NaN where none has an answer', [factor_of(worst)])
+      call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(worst)])
+    end associate
     call fill_summary(stages, sweep, self%tables(self%place('sweep_summary')), error)
     self%is_done = .true.
     self%failed = count(.not. has_result(sweep%status))
@@ -150,30 +165,6 @@ contains
     end do
     call table%add('corner_estimate', '', of_corner, corner)
   end subroutine fill_worst
-
-  !> Fills the dynamic factor about the peaks of the least relieved mesh, which are at the speeds `rpm` (1/min), for each relief.
-  !> Where a branch of motions bends, its peak is a jump near the resonance, not the resonance itself.
-  pure subroutine fill_resonances(amount, sweep, rpm, table, error)
-    real(dp), intent(in) :: amount(:), rpm(:)
-    type(sweep_t), intent(in) :: sweep
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: of_peak = 'speed of the pinion at a peak of the dynamic factor: a resonance, or where a bent '// &
-      'branch of motions ends and the motion jumps'
-    type(peak_t), allocatable :: worst(:)
-    integer :: i, k, m, n
-
-    m = size(amount)
-    n = size(rpm)
-    call table%over('largest dynamic factor of each relief about the peaks of the least relieved mesh, within 15 % and '// &
-                    'half-way to the next', error, axis('relief_um', 'um', of_relief, amount), &
-                    axis('resonance_rpm', '1/min', of_peak, rpm))
-    if (allocated(error)) return
-    worst = [((worst_near(sweep%rpm, sweep%dynamic_factor(:, i), rpm, k), k=1, n), i=1, m)]
-    call table%add('dynamic_factor', '', 'largest DF within 15 % of that speed, and no farther than half-way to the next '// &
-                   'peak; NaN where none has an answer', [factor_of(worst)])
-    call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(worst)])
-  end subroutine fill_resonances
 
   !> Fills the number of points by status, their accuracy, and the best of the listed reliefs.
   pure subroutine fill_summary(stages, sweep, table, error)

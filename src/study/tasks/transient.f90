@@ -45,7 +45,7 @@ module gearsweep_study_tasks_transient
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
     procedure :: check, uses
-    procedure, private :: read_load, read_times, follow, pass
+    procedure, private :: read_load, pass
   end type transient_task_t
 
   character(*), parameter :: group = 'transient'
@@ -330,6 +330,7 @@ contains
     type(reader_t), intent(inout) :: reader
     type(error_t), allocatable, intent(inout) :: error
     character(sentence_length) :: geared
+    logical :: counted
 
     call reader%add_group(group, 'The task transient: root stress over time while the load passes over a tooth.')
     geared = unless(.not. is_prescribed(reader), needs_gears)
@@ -341,7 +342,17 @@ contains
                     meaning='what the modes that are left out would add to a load at rest is added at once; without it, stress '// &
                     'is that of the modes alone')
     call self%read_load(reader, geared, error)
-    call self%read_times(reader, geared, error)
+    call reader%get(group, 'after_periods', self%passage%after, error, at_least=0.0_dp, at_most=100.0_dp, tasks=group, &
+                    refused=geared, meaning='time that is looked at when the load has left the tooth, in mesh periods')
+    call reader%get(group, 'samples', self%look%samples, error, given=counted, at_least=1, at_most=100000, tasks=group, &
+                    otherwise='400, or as time_step_s says', &
+                    refused=geared, meaning='equal steps of the whole time in the table transient; the largest values are '// &
+                    'looked for eight times in a period of the highest mode, at most 10000 times in all')
+    call reader%get(group, 'time_step_s', self%look%step, error, unit='s', at_least=1e-7_dp, at_most=1.0_dp, tasks=group, &
+                    refused=first_of(geared, unless(.not. counted, 'samples is given; remove one of the two')), &
+                    otherwise='as samples says', &
+                    meaning='step between the rows of the table transient; the largest values are then the largest of its '// &
+                    'rows, as papers have it. Stress between two steps is not changed by it')
   end subroutine read_keys
 
   !> Reads how the load is shared and its positions.
@@ -398,27 +409,6 @@ contains
     if (travel == 'outwards') self%travel = outwards
   end subroutine read_load
 
-  !> Reads the times of the samples.
-  subroutine read_times(self, reader, geared, error)
-    class(transient_task_t), intent(inout) :: self
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: geared
-    type(error_t), allocatable, intent(inout) :: error
-    logical :: counted
-
-    call reader%get(group, 'after_periods', self%passage%after, error, at_least=0.0_dp, at_most=100.0_dp, tasks=group, &
-                    refused=geared, meaning='time that is looked at when the load has left the tooth, in mesh periods')
-    call reader%get(group, 'samples', self%look%samples, error, given=counted, at_least=1, at_most=100000, tasks=group, &
-                    otherwise='400, or as time_step_s says', &
-                    refused=geared, meaning='equal steps of the whole time in the table transient; the largest values are '// &
-                    'looked for eight times in a period of the highest mode, at most 10000 times in all')
-    call reader%get(group, 'time_step_s', self%look%step, error, unit='s', at_least=1e-7_dp, at_most=1.0_dp, tasks=group, &
-                    refused=first_of(geared, unless(.not. counted, 'samples is given; remove one of the two')), &
-                    otherwise='as samples says', &
-                    meaning='step between the rows of the table transient; the largest values are then the largest of its '// &
-                    'rows, as papers have it. Stress between two steps is not changed by it')
-  end subroutine read_times
-
   !> Refuses more passages than the tables can hold.
   subroutine check(self, facts, error)
     class(transient_task_t), intent(in) :: self
@@ -441,6 +431,9 @@ contains
     type(tooth_modes_t) :: teeth(2)
     type(tooth_run_t), allocatable :: runs(:)
     real(dp) :: poisson
+    type(passage_t) :: passage
+    integer, allocatable :: which(:)
+    integer :: i, k, n
 
     if (allocated(error)) return
     self%passage%root%gear = stages%gear
@@ -448,10 +441,27 @@ contains
     call find_unit_teeth(stages, self%choice, group, &
                          place_radius(stages%pair, self%passage, load_places(stages%pair, self%passage)), teeth, error)
     if (allocated(error)) return
-    call self%follow(stages, teeth, runs, error)
+    call self%list_reliefs(stages, which)
+    call claim_memory(size(which)*size(self%own_rpm)*8.0_dp*(12*size(self%choice%tangent) + 4)*self%look%samples, &
+                      '&transient rpm: '//str(size(which)*size(self%own_rpm))//' passages', error)
     if (allocated(error)) return
-    self%is_stopped = .not. allocated(runs)
-    if (self%is_stopped) return
+    allocate (runs(size(which)*size(self%own_rpm)))
+    n = 0
+    do i = 1, size(which)
+      do k = 1, size(self%own_rpm)
+        self%is_stopped = wants_stop(stages%accuracy%steady%stop)
+        if (self%is_stopped) return
+        n = n + 1
+        runs(n)%relief = stages%amount(which(i))
+        runs(n)%rpm = self%own_rpm(k)
+        call self%pass(stages, which(i), runs(n)%rpm, passage, runs(n)%status, runs(n)%motions, error)
+        if (allocated(error)) return
+        if (has_result(runs(n)%status)) call follow_tooth(teeth, stress_error_share(stages%running%bodies), passage, self%look, &
+                                                           runs(n)%tooth, error)
+        if (allocated(error)) return
+        if (self%uses(stage%motion)) call stages%running%tell(1, stages%accuracy%steady%stop)
+      end do
+    end do
     poisson = 0
     if (stages%body_inputs%options%plane_strain) poisson = stages%material(stages%gear)%poisson
     call fill_histories(runs, teeth(1), self%choice%tangent, poisson, self%tables(self%place('transient')), error)
@@ -462,41 +472,6 @@ contains
     self%failed = count(.not. has_result(runs%status))
     self%log = 'transient: '//str(size(runs))//' passages of the load followed'
   end subroutine run
-
-  !> Computes all reliefs at all speeds; not allocated if the run was interrupted.
-  subroutine follow(self, stages, teeth, runs, error)
-    class(transient_task_t), intent(in) :: self
-    type(stages_t), intent(in) :: stages
-    type(tooth_modes_t), intent(in) :: teeth(2)
-    type(tooth_run_t), allocatable, intent(out) :: runs(:)
-    type(error_t), allocatable, intent(inout) :: error
-    type(tooth_run_t), allocatable :: found(:)
-    type(passage_t) :: passage
-    integer, allocatable :: which(:)
-    integer :: i, k, n
-
-    call self%list_reliefs(stages, which)
-    call claim_memory(size(which)*size(self%own_rpm)*8.0_dp*(12*size(self%choice%tangent) + 4)*self%look%samples, &
-                      '&transient rpm: '//str(size(which)*size(self%own_rpm))//' passages', error)
-    if (allocated(error)) return
-    allocate (found(size(which)*size(self%own_rpm)))
-    n = 0
-    do i = 1, size(which)
-      do k = 1, size(self%own_rpm)
-        if (wants_stop(stages%accuracy%steady%stop)) return
-        n = n + 1
-        found(n)%relief = stages%amount(which(i))
-        found(n)%rpm = self%own_rpm(k)
-        call self%pass(stages, which(i), found(n)%rpm, passage, found(n)%status, found(n)%motions, error)
-        if (allocated(error)) return
-        if (has_result(found(n)%status)) call follow_tooth(teeth, stress_error_share(stages%running%bodies), passage, self%look, &
-                                                           found(n)%tooth, error)
-        if (allocated(error)) return
-        if (self%uses(stage%motion)) call stages%running%tell(1, stages%accuracy%steady%stop)
-      end do
-    end do
-    call move_alloc(found, runs)
-  end subroutine follow
 
   !> Computes the passage of the load with relief number `relief`. For a motion that repeats after several mesh periods it is that
   !> of the pair with the largest load.
