@@ -150,54 +150,66 @@ contains
     type(study_t), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error
     type(study_t), intent(in), target, optional :: earlier
-    integer :: i, k, before
-    logical :: known
+    integer :: i, k
 
     do i = 1, size(study%tasks)
       if (allocated(error)) return
-      associate (slot => study%tasks(i), running => study%running)
+      associate (slot => study%tasks(i))
         if (.not. (slot%is_wanted .or. (slot%info%is_always .and. allocated(study%pair)))) cycle
         if (slot%takes(stage%body) .or. slot%takes(stage%solid) .or. slot%takes(stage%motion)) then
           if (ends_here(study, slot%info)) cycle
         end if
-        before = running%done
-        known = .false.
-        nullify (running%earlier)
-        if (present(earlier)) then
-          known = is_known(study, earlier, i)
-          if (earlier%tasks(i)%task%is_done) running%earlier => earlier%tasks(i)%task
-        end if
-        if (known) call take_over(earlier%tasks(i), slot, error)
-        if (.not. known) then
-          call slot%task%prepare()
-          select type (task => slot%task)
-          class is (runnable_t)
-            call task%run(study%stages_t, error)
-          end select
-          ! Reports columns that did not fit into memory.
-          do k = 1, size(slot%task%tables)
-            if (allocated(slot%task%tables(k)%error) .and. .not. allocated(error)) error = slot%task%tables(k)%error
-          end do
-        end if
-        if (allocated(error)) return
-        if (slot%task%is_done) then
-          call running%note(slot%task%log//trim(merge(', taken over', '            ', known .or. slot%task%is_taken)))
-          study%stopped = study%stopped .or. slot%task%is_stopped
-          if (slot%is_wanted .and. .not. slot%task%is_stopped) then
-            before = before + points_of(slot%task, study%stages_t)
-            ! Tasks without progress of their own report all their points here.
-            if (.not. known) call running%tell(before - running%done, study%accuracy%steady%stop)
-            running%done = before
-          end if
-        else
-          study%stopped = .true.
-          call running%note(trim(slot%info%name)//' left out: the run was interrupted')
-        end if
       end associate
+      call run_task(study, i, error, earlier)
       if (allocated(study%running%bodies) .and. .not. any([(study%tasks(k)%takes(stage%body), k=i + 1, size(study%tasks))])) &
         deallocate (study%running%bodies)
     end do
   end subroutine run_tasks
+
+  !> Runs task number `i`, or copies its result from an earlier study.
+  subroutine run_task(study, i, error, earlier)
+    type(study_t), intent(inout) :: study
+    integer, intent(in) :: i
+    type(error_t), allocatable, intent(inout) :: error
+    type(study_t), intent(in), target, optional :: earlier
+    logical :: known
+    integer :: before, k
+
+    associate (slot => study%tasks(i), running => study%running)
+      before = running%done
+      known = .false.
+      nullify (running%earlier)
+      if (present(earlier)) then
+        known = is_known(study, earlier, i)
+        if (earlier%tasks(i)%task%is_done) running%earlier => earlier%tasks(i)%task
+      end if
+      if (known) call take_over(earlier%tasks(i), slot, error)
+      if (.not. known) then
+        call slot%task%prepare()
+        select type (task => slot%task)
+        class is (runnable_t)
+          call task%run(study%stages_t, error)
+        end select
+        ! Reports columns that did not fit into memory.
+        do k = 1, size(slot%task%tables)
+          if (allocated(slot%task%tables(k)%error) .and. .not. allocated(error)) error = slot%task%tables(k)%error
+        end do
+      end if
+      if (allocated(error)) return
+      if (slot%task%is_done) then
+        call running%note(slot%task%log//trim(merge(', taken over', '            ', known .or. slot%task%is_taken)))
+        study%stopped = study%stopped .or. slot%task%is_stopped
+        if (.not. slot%is_wanted .or. slot%task%is_stopped) return
+        before = before + points_of(slot%task, study%stages_t)
+        ! Tasks without progress of their own report all their points here.
+        if (.not. known) call running%tell(before - running%done, study%accuracy%steady%stop)
+        running%done = before
+      else
+        study%stopped = .true.
+        call running%note(trim(slot%info%name)//' left out: the run was interrupted')
+      end if
+    end associate
+  end subroutine run_task
 
   !> True if the earlier study has complete results of this task, from the same keys and from the same products of all stages that
   !> it needs. Cheap results are recomputed.
