@@ -16,14 +16,15 @@ minor=${version%.*}
 # OpenBLAS first, so that its symbols are looked up there.
 needs='-lopenblas -ldmumps_seq -larpack -lgomp -lgfortran -lm -lpthread'
 
-# The same flags as the program: the same bits. All modules, as the program needs not all of them.
+# The same flags as the program: the same bits. The program uses all modules, so fpm
+# installs all of them, and none of the suites.
 install_library() (
   mkdir -p "$run_dir" && cd "$root" || exit
   await_lock
   install_packages && make_venv || exit
   # fpm adds to an archive that is there: objects of files that are gone would stay in it.
   rm -f build/gfortran_*/gearsweep/libgearsweep.a
-  run_fpm "installing into $prefix, about 1 min" install --profile release --no-prune --prefix "$prefix" \
+  run_fpm "installing into $prefix, about 1 min" install --profile release --prefix "$prefix" \
     --libdir lib --includedir include/gearsweep || exit
   cp include/gearsweep.h "$prefix/include/gearsweep/" && make_shared || exit
   completions=$prefix/share/bash-completion/completions

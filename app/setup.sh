@@ -10,12 +10,12 @@ venv=$root/.venv
 build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
 # What checks the sources without running them.
 lint_tools='ruff==0.17.6 mypy==2.4.1 fortitude-lint==0.10.0'
-# What drives a browser, for test/panel.sh.
+# What drives a browser, for test/cases/panel.sh.
 browser_driver=playwright==1.65.2
 # What makes pages for a browser of doc and of the comments of src.
 site_tools='mkdocs==1.6.1 mkdocs-material==9.7.7 ford==7.0.13'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all -ffpe-trap=invalid,zero,overflow'
-# For test/sanitize.sh; C callers are compiled and linked with the C flags. Where an array is assigned to that is not
+# For test/cases/sanitize.sh; C callers are compiled and linked with the C flags. Where an array is assigned to that is not
 # allocated yet, gfortran 12 subtracts bounds that were never set and does not use what comes out: integers go unchecked.
 sanitize_flags='-g -O1 -std=f2018 -fPIC -fno-omit-frame-pointer -fcheck=all,no-array-temps -fsanitize=address,undefined -fno-sanitize=signed-integer-overflow -fno-sanitize-recover=undefined'
 sanitize_c_flags='-g -O1 -fPIC -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined'
@@ -107,7 +107,7 @@ install_missing() {
   ) 8>"$run_dir/packages.lock"
 }
 
-# For test/matrix.sh only: flang, with OpenMP.
+# For test/cases/matrix.sh only: flang, with OpenMP.
 flang=flang-new-19
 install_flang() {
   mkdir -p "$run_dir" || return
@@ -210,7 +210,7 @@ install_python() {
     echo "$*" >"$run_dir/$what.stamp"
   ) 9>"$run_dir/lock"
 }
-# For test/panel.sh only: a browser, and what drives it.
+# For test/cases/panel.sh only: a browser, and what drives it.
 install_browser() {
   missing=
   command -v chromium >/dev/null || missing=chromium

@@ -15,8 +15,8 @@ from pictures import draw
 from report import Report, machine, run
 
 MESHES, SPEEDS = 80, 12
-KINDS = ('of any kind', 'short smooth intervals', 'strong damping')    # of test/random_meshes.f90
-DRAWS, PIECE = 1250, 50             # of test/random_motions.f90, at eight speeds each; how many the program takes at once
+KINDS = ('of any kind', 'short smooth intervals', 'strong damping')    # of test/properties/random_meshes.f90
+DRAWS, PIECE = 1250, 50             # of test/properties/random_motions.f90, at eight speeds each; how many the program takes at once
 MOTION = ('draw', 'contact_ratio', 'relief', 'friction', 'backlash', 'damping_ratio', 'frequency_ratio', 'tolerance', 'contact',
           'graded', 'estimate', 'error')
 ROUNDING = 1e-12    # true errors below it are left to rounding
@@ -125,7 +125,7 @@ def main():
     _, count, _, far, beyond, *_ = rows[0]
     report.tell(f'Error estimates of {count} random motions, every eighth with tip corners that touch: the true error is '
                 f'above twice the\n  estimate at {far}, above the tolerance at {beyond}.')
-    report.add(f'{DRAWS} random draws at eight speeds each (test/random_motions.f90): damping ratio 1e-4 to 50, contact ratio\n'
+    report.add(f'{DRAWS} random draws at eight speeds each (test/properties/random_motions.f90): damping ratio 1e-4 to 50, contact ratio\n'
                '1.05 to 2.9 or, in half of them, 0.005 to 0.15 above 1 or 2, relief, backlash, friction, 0.05 to 3 times the main\n'
                'resonance, tolerance 1e-10 to 1e-3; every eighth a pair like case 1 whose tip corners touch. Reference: four times\n'
                'as many steps and more, divided in another way.\n')

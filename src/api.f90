@@ -4,6 +4,8 @@
 module gearsweep_api
   ! The calls of all languages.
   use gearsweep_api_api, only: resuming_is_gone
+  ! The calls for C, which have no names in Fortran; so fpm takes them into the library that it installs.
+  use gearsweep_api_c, only:
   ! Reads a case, one text for every interface.
   use gearsweep_api_case_reader, only: read_case
   ! Describes tasks, groups and keys as JSON, from the declarations of the keys.

@@ -1,4 +1,4 @@
-# Sourced by test/run.sh and test/test_*.sh, with $root set: checks with names, and how they are counted.
+# Sourced by test/run.sh and test/cases/test_*.sh, with $root set: checks with names, and how they are counted.
 # A check is what bears one name: looked at many times, as in a loop, it counts once, and fails if it failed once.
 
 . "$root/app/setup.sh"

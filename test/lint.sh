@@ -1,7 +1,7 @@
 #!/bin/sh
 # What can be said of the sources without running them: sh test/lint.sh
 # ruff and mypy over Python, fortitude over Fortran; pyproject.toml has the rules, and why others are left out.
-# Then test/imports.py: the rooms of the Python package, and no circles in it. Then doc/architecture.py: rooms use the fronts of those
+# Then test/cases/imports.py: the rooms of the Python package, and no circles in it. Then doc/architecture.py: rooms use the fronts of those
 # below them, modules are named after their paths, and the page has every room.
 # The last line is `N passed, N failed`; a check is one tool over one folder.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
@@ -28,7 +28,7 @@ done
 # The package's folders go together.
 check 'mypy: python' "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" python/gearsweep
 check 'mypy: python/tests' "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" python/tests/*.py python/tests/*/*.py
-for folder in python/tools validation bench tools/mutation test/panel test/reference doc doc/site; do
+for folder in python/tools validation bench tools/mutation test/cases/panel tools/reference doc doc/site; do
   check "mypy: $folder" "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" "$folder"/*.py
 done
 for folder in src app test examples; do
@@ -38,17 +38,17 @@ done
 for room in base gear elastic mesh motion rating; do
   check "no message of src/$room names a key" sh -c "! grep -rn \"'&\" src/$room"
 done
-check 'no word stands anywhere that the table of CONTRIBUTING.md has in bold' "$python" test/words.py
+check 'no word stands anywhere that the table of CONTRIBUTING.md has in bold' "$python" test/cases/words.py
 printf 'A lower rung. A root run of one member yields.\n' >"$work/words.md"
 check 'the check of words finds them' sh -c \
-  "! '$python' test/words.py '$work/words.md' >'$work/found' && [ \$(grep -c 'words.md:1: .*: say ' '$work/found') = 4 ]"
+  "! '$python' test/cases/words.py '$work/words.md' >'$work/found' && [ \$(grep -c 'words.md:1: .*: say ' '$work/found') = 4 ]"
 check 'mutants that are chosen when a program starts do as those compiled one at a time' "$python" tools/mutation/test_instrument.py
 check 'rooms: each uses the fronts of those below it only, module = path, at most 800 lines' "$python" doc/architecture.py --rooms
-check 'Python: no circles of imports, and each room imports those below it only' "$python" test/imports.py
+check 'Python: no circles of imports, and each room imports those below it only' "$python" test/cases/imports.py
 mkdir -p "$work/pair/core" "$work/pair/plots" && : >"$work/pair/__init__.py" && printf 'from . import b\n' >"$work/pair/core/a.py" &&
   printf 'def late():\n    from ..plots import c\n' >"$work/pair/core/b.py" && printf 'from ..core import a\n' >"$work/pair/plots/c.py"
 check 'the check of imports finds a circle and an import of a higher room' sh -c \
-  "! '$python' test/imports.py '$work/pair' >'$work/found' && grep -q 'plots is above core' '$work/found' && grep -q 'core.a -> core.b -> plots.c -> core.a' '$work/found'"
+  "! '$python' test/cases/imports.py '$work/pair' >'$work/found' && grep -q 'plots is above core' '$work/found' && grep -q 'core.a -> core.b -> plots.c -> core.a' '$work/found'"
 check 'doc/develop/architecture.md has every room, and each file says what it is for' "$python" doc/architecture.py --stale
 check 'links between the pages lead somewhere' "$python" doc/site/stage.py "$work/pages"
 finish

@@ -1,11 +1,11 @@
 !> Runs the test suites, or only those named as arguments: SUITE, or SUITE:TEST for its tests whose names contain TEST.
 !> With `--short`, all but those that take long with run-time checks.
-!> With `limits` alone, prints the table of test/extreme/table.md instead; with `reference`, doc/case.md as
+!> With `limits` alone, prints the table of test/properties/extreme/table.md instead; with `reference`, doc/case.md as
 !> the keys are declared. Where the environment's GEARSWEEP_CHECKS names a file, each check
 !> is added to it as a line `passed SUITE: NAME` or `failed SUITE: NAME`.
 program check
   use, intrinsic :: iso_fortran_env, only: int64, output_unit
-  use extreme_table, only: print_limits
+  use test_properties_extreme_table, only: print_limits
   use test_sparse, only: run_sparse => run
   use test_as_built, only: run_as_built => run
   use test_quick_turns, only: run_quick_turns => run
@@ -70,7 +70,7 @@ program check
   use test_sweep, only: run_sweep => run
   use test_torques, only: run_torques => run
   use test_transient, only: run_transient => run
-  use testing, only: suite_t, tally_t
+  use test_support_testing, only: suite_t, tally_t
   implicit none
   !> With run-time checks these take longer than all others together; `--short` leaves them out.
   character(*), parameter :: long(13) = [character(24) :: 'inputs', 'methods', 'bifurcations', 'elastic_modes', 'body_modes', &

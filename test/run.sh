@@ -9,7 +9,7 @@
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 if [ "${1-}" = --panel ]; then
   shift
-  exec sh "$root/test/panel.sh" "$@"
+  exec sh "$root/test/cases/panel.sh" "$@"
 fi
 all=
 if [ "${1-}" = --all ]; then
@@ -84,13 +84,13 @@ run_suites() {
 
 # The longest first, so that both lanes end at about the same time. A script that belongs to --all says so in its head.
 list_scripts() {
-  for script in test/test_*.sh test/panel.sh; do
+  for script in test/cases/test_*.sh test/cases/panel.sh; do
     [ -n "$all" ] || ! sed -n 2,9p "$script" | grep -q '^# Belongs to --all' || continue
     printf '%s %s\n' "$(sed -n 's/^# Takes about \([0-9]* [ms]\).*/\1/p' "$script")" "$script"
   done | sort -k 2,2 -k 1,1nr -k 3 | cut -d ' ' -f 3
 }
 
-# name_of SCRIPT: the name of the part: test/test_python.sh is python.
+# name_of SCRIPT: the name of the part: test/cases/test_python.sh is python.
 name_of() {
   part=$(basename "$1" .sh)
   echo "${part#test_}"
@@ -138,7 +138,7 @@ lanes=2
 if [ $# = 0 ]; then
   scripts=$(list_scripts)
   # The program shares its build with the suites as released, and Python's own build goes on beside these.
-  order="release test/test_python.sh debug $scripts"
+  order="release test/cases/test_python.sh debug $scripts"
   if [ -n "$all" ]; then
     say 'all tests, about 35 min'
   else

@@ -222,7 +222,7 @@ def motions():
 
 
 def prescribed():
-    """The prescribed mesh of test/extreme: mean stiffness, N/um, natural frequency, Hz, and its speed, 1/min."""
+    """The prescribed mesh of test/properties/extreme: mean stiffness, N/um, natural frequency, Hz, and its speed, 1/min."""
     motion = run(gearsweep.Case(_prescribed()), 'mesh').motion
     return [motion.mean_mesh_stiffness_n_um, motion.natural_frequency_hz, motion.resonance_rpm]
 
@@ -287,13 +287,13 @@ def one_range(of, first, last):
 # Dynamics
 
 def poisson_high():
-    """By how much the first mode of the row "Poisson 0.4999, plane strain" of test/extreme/table.md lies off, per cent."""
-    text = (REFERENCE.parent / 'extreme' / 'table.md').read_text(encoding='utf-8')
+    """By how much the first mode of the row "Poisson 0.4999, plane strain" of test/properties/extreme/table.md lies off, per cent."""
+    text = (REFERENCE.parent / 'properties/extreme' / 'table.md').read_text(encoding='utf-8')
     return 100 * float(re.search(r'\| Poisson 0\.4999, plane strain \|.*\| (\S+) \| elements \|', text)[1])
 
 
 def _prescribed():
-    return (REFERENCE.parent / 'extreme' / 'prescribed.nml').read_text(encoding='utf-8')
+    return (REFERENCE.parent / 'properties/extreme' / 'prescribed.nml').read_text(encoding='utf-8')
 
 
 def thermal_contact():
@@ -433,7 +433,7 @@ def doubling_part():
 def order_of_method(name):
     """In which a test finds that a method of the literature converges: whole, between its bounds."""
     words = {'rk4': 'rk4: fourth order', 'rk4_equal': 'rk4_equal: first order', 'constant': 'constant: second order'}[name]
-    text = (REFERENCE.parent / 'test_methods.f90').read_text(encoding='utf-8')
+    text = (REFERENCE.parent / 'unit/motion/test_methods.f90').read_text(encoding='utf-8')
     least, largest = map(float, re.search(rf"'{words}', order\(\d\) > ([\d.]+)_dp .and. order\(\d\) < ([\d.]+)_dp", text).groups())
     return next(whole for whole in range(10) if least < whole < largest)
 
@@ -445,13 +445,13 @@ def orders_of_methods():
 
 def softer_places():
     """How much softer a pair with a corner is than without at A and where contact begins, per cent: as suite `elastic_corner` has it."""
-    text = (REFERENCE.parent / 'test_elastic_corner.f90').read_text(encoding='utf-8')
+    text = (REFERENCE.parent / 'unit/elastic/test_elastic_corner.f90').read_text(encoding='utf-8')
     return [100 * float(number) for number in re.findall(r"softer\(\d+\), (0\.\d+)_dp", text)]
 
 
 def shorter_arm():
     """By how much the lever arm is less where contact begins, per cent, as suite `tip_corner` has it."""
-    return 100 * (1 - whole_source('test/test_tip_corner.f90', r"'lever arm where contact begins', here%lever, (0\.\d+)_dp"))
+    return 100 * (1 - whole_source('test/unit/gear/test_tip_corner.f90', r"'lever arm where contact begins', here%lever, (0\.\d+)_dp"))
 
 
 def stability_steps():
@@ -465,7 +465,7 @@ def handle_bytes():
 
 
 def spare_megabytes():
-    return 1e-3 * whole_source('test/test_memory.sh', r'least=\$\(\(least \+ (2\d+)\)\)')
+    return 1e-3 * whole_source('test/cases/test_memory.sh', r'least=\$\(\(least \+ (2\d+)\)\)')
 
 
 def blas_megabytes():
@@ -490,7 +490,7 @@ def slow_periods():
 
 def delay_power():
     """Of the rate, with which the delay grows: 8 times the rate made it 4 times as long in suite `bifurcations`."""
-    text = (REFERENCE.parent / 'test_bifurcations.f90').read_text(encoding='utf-8')
+    text = (REFERENCE.parent / 'unit/nonlinear/test_bifurcations.f90').read_text(encoding='utf-8')
     times = float(re.search(r"'(\d) times the speed', behind\(2\)/behind\(1\)", text)[1])
     return [round(3 * math.log(times) / math.log(8)), 3]
 
@@ -505,8 +505,8 @@ def natural_radians(rpm):
 
 
 def pages_of_extremes():
-    """The slowest speed, 1/min, and the heaviest damping that test/extreme/cases.txt has an answer for."""
-    text = (REFERENCE.parent / 'extreme' / 'cases.txt').read_text(encoding='utf-8')
+    """The slowest speed, 1/min, and the heaviest damping that test/properties/extreme/cases.txt has an answer for."""
+    text = (REFERENCE.parent / 'properties/extreme' / 'cases.txt').read_text(encoding='utf-8')
     of = [[float(number) for number in re.findall(pattern, text, flags=re.MULTILINE)]
           for pattern in (r'^[^|]*\| prescribed \| rpm = ([\d.e+-]*\d) \| df \| ok', r'damping_ratio = ([\d.e+-]*\d)[^|]*\| df \| ok')]
     return [min(of[0]), max(of[1])]
@@ -593,8 +593,8 @@ def column_kinds():
 
 
 def first_row():
-    """The number of the first row for gsc_text, as the callers of test/callers begin their loops."""
-    return whole_source('test/callers/results.c', r'for \(row = (\d); word')
+    """The number of the first row for gsc_text, as the callers of tools/callers begin their loops."""
+    return whole_source('tools/callers/results.c', r'for \(row = (\d); word')
 
 
 def asymmetric_pairs():
@@ -608,10 +608,10 @@ def closing_damping():
 
 
 def bifurcation_reference():
-    """Mesh periods and digits of test/reference/make_bifurcations.py."""
+    """Mesh periods and digits of tools/reference/make_bifurcations.py."""
     rows = [line.split() for line in (REFERENCE / 'bifurcations.dat').read_text(encoding='utf-8').splitlines() if line and line[0] not in '#=']
     periods = max(int(word) for row in rows for word in row if word in '1248')
-    return [periods, whole_source('test/reference/make_bifurcations.py', r'mpmath\.mp\.dps = (\d+)')]
+    return [periods, whole_source('tools/reference/make_bifurcations.py', r'mpmath\.mp\.dps = (\d+)')]
 
 
 def minor_version():
@@ -865,8 +865,8 @@ def cut_digits():
 
 
 def drawn_rows():
-    """What test/reference/motions/rows.py draws: contact ratio, damping ratio and the largest of lightly damped rows, frequencies, relief."""
-    text = (REFERENCE / 'motions' / 'rows.py').read_text(encoding='utf-8')
+    """What tools/reference/motions/rows.py draws: contact ratio, damping ratio and the largest of lightly damped rows, frequencies, relief."""
+    text = (REFERENCE.parents[1] / 'tools/reference/motions/rows.py').read_text(encoding='utf-8')
     ratio = re.search(r'ratio = draw\.uniform\(([\d.]+), ([\d.]+)\)', text).groups()
     zeta = re.search(r'between\((\S+), (\S+) if light else ([\d.]+)\)', text).groups()
     speed = re.search(r'mesh frequency ([\d.]+) to (\d+) natural', text).groups()

@@ -27,8 +27,8 @@ program honesty
   use gearsweep_motion_periodic_orbit, only: shoot, steady_t
   use gearsweep_base_kinds, only: pi
   use gearsweep_motion_steady_motion, only: has_result
-  use random_meshes, only: draw_t, random_mesh
-  use random_motions, only: random_motion
+  use test_properties_random_meshes, only: draw_t, random_mesh
+  use test_properties_random_motions, only: random_motion
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
   integer :: i

@@ -14,7 +14,7 @@ program honesty_bodies
   use gearsweep_elastic_modes, only: modal_t, section_modes
   use gearsweep_elastic_section, only: make_two_grids, section_body_t
   use gearsweep_elastic_stress, only: root_stress, root_stress_t
-  use random_bodies, only: random_body_t, random_body
+  use test_properties_random_bodies, only: random_body_t, random_body
   implicit none
   integer, parameter :: modes = 8, most_section = 10, most_whole = 6, finest_section = 30, finest_whole = 20
   integer :: i

@@ -1,1 +1,1 @@
-../../test/random_bodies.f90
+../../test/properties/random_bodies.f90

@@ -1,1 +1,1 @@
-../../test/random_meshes.f90
+../../test/properties/random_meshes.f90

@@ -1,1 +1,1 @@
-../../test/random_motions.f90
+../../test/properties/random_motions.f90

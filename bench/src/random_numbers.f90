@@ -1,1 +1,1 @@
-../../test/random_numbers.f90
+../../test/support/random_numbers.f90

@@ -53,7 +53,7 @@ CHAOTIC = """&case tasks = 'sweep' /
 """
 
 # How numbers on a page may differ from what a command makes.
-_spec = importlib.util.spec_from_file_location('compare', ROOT / 'test' / 'extreme' / 'compare.py')
+_spec = importlib.util.spec_from_file_location('compare', ROOT / 'test' / 'properties' / 'extreme' / 'compare.py')
 assert _spec is not None and _spec.loader is not None
 compare = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(compare)

@@ -2,7 +2,7 @@
 !>
 !> A stage claims the memory that it needs before its work begins, as one number estimated from the case; if memory is too small,
 !> the stage fails with a message. Later allocations cannot be refused one by one, as the compiler makes hundreds of them. So an
-!> estimate may be too high, but not too low: test/test_memory.sh runs every task at closely spaced limits. Memory that does not
+!> estimate may be too high, never too low: test/cases/test_memory.sh runs each task at closely spaced limits. Memory that does not
 !> grow with the case needs no claim, as a reserve is kept for it.
 !>
 !> The caller stops a long call by his own flag, which another thread or a signal may set. Floating-point traps are disabled

@@ -48,9 +48,9 @@ class Test:
 
 def all_tests(root):
     suites = re.findall(r"suite_t\('(\w+)'", (root / 'test/main.f90').read_text())
-    scripts = sorted(path.stem for path in (root / 'test').glob('test_*.sh') if path.stem not in SCRIPTS_APART)
+    scripts = sorted(path.stem for path in (root / 'test/cases').glob('test_*.sh') if path.stem not in SCRIPTS_APART)
     python = [*root.glob('python/tests/*/test_*.py'), *root.glob('validation/tests/test_*.py'), *root.glob('doc/*.md')]
-    said = (root / 'test/test_python.sh').read_text()
+    said = (root / 'test/cases/test_python.sh').read_text()
     pages = [str(path.relative_to(root)) for path in sorted(python) if path.suffix == '.py' or f'doc/{path.name}"' in said]
     return (
         [Test(name, 'suite') for name in suites]
@@ -75,7 +75,7 @@ def words_of(test, tree):
     if test.kind == 'suite':
         return [str(tree.check), test.name], tree.root
     if test.kind in ('script', 'callers'):
-        return ['sh', str(tree.root / 'test' / f'{test.name}.sh'), str(tree.program)], tree.root
+        return ['sh', str(tree.root / 'test/cases' / f'{test.name}.sh'), str(tree.program)], tree.root
     what = ['--pyargs', 'gearsweep'] if test.name == 'docstrings' else [str(tree.root / test.name)]
     apart = [word for name in LEFT_OUT for word in ('-k', f'not {name}')] if test.name.startswith('validation') else []
     return [str(tree.root / '.venv/bin/python'), '-m', 'pytest', '-x', '-q', '--tb=line', '-p', 'no:cacheprovider',

@@ -74,6 +74,6 @@ def test_formulas_are_read_as_printed(text, names, value):
 
 
 @pytest.mark.parametrize('changes', [{'ours': 'prescribed'}, {'by': 'tested', 'ours': 'doc/case.md :: shows 136 stiff'},
-                                     {'by': 'found', 'ours': r'test/extreme/cases.txt :: ^# (\d+) never'}])
+                                     {'by': 'found', 'ours': r'test/properties/extreme/cases.txt :: ^# (\d+) never'}])
 def test_what_does_not_confirm_is_found(claim, changes):
     assert claims.wrong(dataclasses.replace(claim, **changes))

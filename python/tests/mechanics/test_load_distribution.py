@@ -1,4 +1,4 @@
-"""Static transmission error and load shares against an analysis of their own (test/reference/teeth): finite elements of
+"""Static transmission error and load shares against an analysis of their own (tools/reference/teeth): finite elements of
 both gears with all teeth on one body, flattening by closed forms, all contacts solved as one unilateral problem."""
 
 import sys
@@ -11,8 +11,9 @@ import pytest
 import gearsweep
 from gearsweep import Case
 
-REFERENCE = Path(__file__).parents[3] / 'test/reference'
-sys.path.insert(0, str(REFERENCE))
+ROOT = Path(__file__).parents[3]
+REFERENCE = ROOT / 'test/reference'
+sys.path.insert(0, str(ROOT / 'tools/reference'))
 from teeth.cases import CASES, text  # noqa: E402  (inputs only: the analysis itself stays away)
 
 INPUTS = {case.name: case for case in CASES}

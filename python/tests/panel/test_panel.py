@@ -1,4 +1,4 @@
-"""The front panel without a browser: what it answers, to whom, and which files it reads. What pages show is tested by test/panel.sh."""
+"""The front panel without a browser: what it answers, to whom, and which files it reads. What pages show is tested by test/cases/panel.sh."""
 
 import http.client
 import io

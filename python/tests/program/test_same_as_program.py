@@ -1,5 +1,5 @@
 """As the Fortran program: its answer, its files, its messages and exit codes. That the numbers have the same bits is told by
-test/test_callers.sh."""
+test/cases/test_callers.sh."""
 
 import subprocess
 import sys

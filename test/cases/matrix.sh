@@ -1,0 +1,87 @@
+#!/bin/sh
+# Builds the library and the program in several ways, runs the cases of data/ with each, and compares all tables and
+# the screen with those of the released build, by test/cases/compare.py: sh test/cases/matrix.sh [BUILD ...]
+#
+#   release   as released (fpm's profile): what the others are compared with
+#   O0, O2    without optimisation, with less than released
+#   native    -O3 -march=native: with all that this processor can, fused multiply and add among it
+#   plain     as released with -fno-frontend-optimize: gfortran's front end may take two calls for one
+#   flang     by flang 19, another compiler; installed by this command where it is missing (Debian)
+#
+# Without a name, all. --quick: O0 and plain, with two cases that name every task between them (a part of test/run.sh).
+# The last line is `N passed, N failed`: one check for each build and case, and one for each build.
+# About 8 minutes on two cores, mostly to compile; --quick 1 minute.
+root=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd) || exit
+. "$root/app/setup.sh"
+cases=
+builds=
+for word; do
+  case $word in
+    --quick) cases='case2 hassan' builds='O0 plain' ;;
+    O0 | O2 | native | plain | flang) builds="$builds $word" ;;
+    *) echo "usage: sh test/cases/matrix.sh [--quick | O0 O2 native plain flang ...]" >&2; exit 2 ;;
+  esac
+done
+: "${builds:=O0 O2 native plain flang}"
+: "${cases:=$(cd "$root/data" && ls *.nml | sed 's/\.nml$//')}"
+cd "$root" || exit
+mkdir -p "$run_dir" || exit
+work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+passed=0
+failed=0
+
+# The released flags of fpm 0.12 but for warnings. A call of a function that is not pure and may be left out stops the build.
+released='-O3 -funroll-loops -fcoarray=single -fimplicit-none -fPIC'
+warned='-Wfunction-elimination -Werror=function-elimination'
+make_release() { build_program; }
+make_O0() { build matrix-O0 "src app" run gearsweep --flag "-O0 -fimplicit-none -fPIC"; }
+make_O2() { build matrix-O2 "src app" run gearsweep --flag "-O2 -fimplicit-none -fPIC $warned"; }
+make_native() { build matrix-native "src app" run gearsweep --flag "$released -march=native $warned"; }
+make_plain() { build matrix-plain "src app" run gearsweep --flag "$released -fno-frontend-optimize"; }
+make_flang() {
+  # run_fpm in app/setup.sh clears what gfortran left unfinished; the same here.
+  if [ -e "$run_dir/unfinished" ]; then rm -rf "$root"/build/flang-*; fi
+  install_flang && build matrix-flang "src app" run gearsweep --compiler "$flang" --c-compiler gcc --flag "-O2 -fPIC"
+}
+
+# run PROGRAM FOLDER: all cases; tables, screen and exit code go into the folder.
+run() {
+  mkdir "$work/$2" || return
+  for one in $cases; do
+    "$1" "data/$one.nml" --out "$work/$2" >"$work/$2/$one.txt" 2>"$work/$2/$one.err" </dev/null
+    echo $? >"$work/$2/$one.code"
+  done
+}
+
+count() { if [ "$1" = 0 ]; then passed=$((passed + 1)); else failed=$((failed + 1)); fi; }
+
+# Not in a pipe or a subshell: the builds share a lock and the log.
+if ! make_release; then echo "0 passed, 1 failed"; exit 1; fi
+run "$run_dir/gearsweep" release
+for one in $cases; do
+  # A case that breaks off would compare as equal.
+  [ "$(cat "$work/release/$one.code")" = 0 ] || { echo "$one ends with code $(cat "$work/release/$one.code")"; cat "$work/release/$one.err"; count 1; }
+done
+echo 'Numbers that differ from the released build, and the largest deviation over what is allowed (test/cases/compare.py)'
+for way in $builds; do
+  make_$way
+  code=$?
+  count $code
+  echo "-- $way"
+  [ $code = 0 ] || { echo "  FAILED to build"; continue; }
+  if [ "$way" = O0 ] && cmp -s "$run_dir/gearsweep" "$run_dir/matrix-O0"; then
+    echo "  FAILED: the build without optimisation is the released one"
+    count 1
+  fi
+  run "$run_dir/matrix-$way" "$way"
+  echo 'case         values   differ   over allowed   where'
+  for one in $cases; do
+    "$venv/bin/python" test/cases/compare.py "$work/release" "$work/$way" "$one"
+    count $?
+    rm -f "$work/$way/$one".*
+  done
+done
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ] && [ "$passed" -gt 0 ]

@@ -1,5 +1,0 @@
-#!/bin/sh
-# The short form of test/sanitize.sh, as a part of the tests.
-# Belongs to --all of test/run.sh.
-# Takes about 3 min.
-exec sh "$(dirname -- "$0")/sanitize.sh" --short
