@@ -316,7 +316,7 @@ contains
       '  --out FOLDER    where the tables go (results); missing folders are made'//lf// &
       '  --name NAME     how the tables are called (as the case; stdin for -)'//lf// &
       '  --threads N     threads of the sweep (all); the answer is the same for any number'//lf// &
-      '  --verbose       also say which stages ran and what was left out'//lf// &
+      '  --verbose       also list the stages that ran and what was omitted'//lf// &
       '  --quiet         print errors only'//lf// &
       '  --version, -v   print the version'//lf// &
       '  --help          print this'//lf// &
@@ -334,7 +334,7 @@ contains
   subroutine usage(message)
     character(*), intent(in) :: message
 
-    call complain(message//'; gearsweep --help tells more')
+    call complain(message//'; gearsweep --help has more')
     call finish(code_usage)
   end subroutine usage
 

@@ -33,7 +33,7 @@ def target(link, page, folder, known):
         raise SystemExit(f'{page.relative_to(ROOT)} leads to {link}, which is not there')
     relative = path.relative_to(ROOT)
     if path.is_dir():
-        return f'files.md#{relative.as_posix().replace("/", "")}' if relative.parts[0] == 'src' else 'architecture.md#beside-src'
+        return f'files.md#{relative.as_posix().replace("/", "")}' if relative.parts[0] == 'src' else 'architecture.md#other-folders'
     if path.suffix == '.f90' and relative.parts[0] == 'src':
         return f'reference/sourcefile/{path.name}.html'
     # Browsers show text, and save what they do not know.

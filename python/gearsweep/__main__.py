@@ -33,7 +33,7 @@ usage: gearsweep CASE.nml [options]      (- reads the case from standard input)
   --no-pictures   draw none
   --report FILE   also write one page of HTML with all of it, to read and to print: warnings, answer, input, formulas,
                   pictures, tables
-  --verbose       also say which stages ran and what was left out
+  --verbose       also list the stages that ran and what was omitted
   --quiet         print errors only
   --version, -v   print the version
   --help          print this
@@ -167,7 +167,7 @@ def set_case(found: Arguments, word: str) -> None:
 
 
 def usage(message: str) -> Error:
-    return Error(f'{message}; gearsweep --help tells more', Code.USAGE)
+    return Error(f'{message}; gearsweep --help has more', Code.USAGE)
 
 
 def run_case(options: Arguments) -> None:

@@ -29,7 +29,7 @@ contains
     type(c_ptr) :: address
 
     nullify (kept)
-    if (study == 0) call fail(error, code_input, 'study: is 0, which is none; a run makes one, and it is 0 again once freed')
+    if (study == 0) call fail(error, code_input, 'study: 0 is no study; a run returns one, and freeing it sets it to 0')
     if (allocated(error)) return
     address = transfer(study, address)
     call c_f_pointer(address, kept)

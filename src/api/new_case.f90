@@ -43,7 +43,7 @@ contains
     call list_keys(tasks, keys)
     wanted = ' '//join(tasks, ' ')//' '
     call lines%add('! A case for gearsweep. Each key has its default and its meaning beside it; keys marked REQUIRED have no')
-    call lines%add('! default. What stands behind a ! is not read: remove the ! to use it. gearsweep --help KEY tells more.')
+    call lines%add('! default. What stands behind a ! is not read: remove the ! to use it. gearsweep --help KEY has more.')
     if (is_short) call lines%add('! Without --short there is every key of these tasks.')
     do i = 1, size(keys%groups)
       opened = .false.

@@ -110,7 +110,7 @@ contains
                    [(((nominal%dynamic_factor(:, r), a=1, m), d=1, n), r=1, k)])
     call table%add('dte_rms_um', 'um', 'root mean square deviation of the dynamic transmission error from its mean', &
                    [(((machines(a, d)%sweep%dte_rms(:, r), a=1, m), d=1, n), r=1, k)])
-    call table%add('dte_peak_to_peak_um', 'um', 'largest less least dynamic transmission error', &
+    call table%add('dte_peak_to_peak_um', 'um', 'peak-to-peak dynamic transmission error', &
                    [(((machines(a, d)%sweep%dte_range(:, r), a=1, m), d=1, n), r=1, k)])
     call table%add('dte_error_estimate_um', 'um', of_dte_estimate, &
                    [(((machines(a, d)%sweep%dte_estimate(:, r), a=1, m), d=1, n), r=1, k)])
@@ -206,7 +206,7 @@ contains
     call table%add('nominal_factor', '', 'largest DF over the speeds of gears without deviations', values(:, 1))
     call table%add('least_factor', '', 'the least of the largest DF over the speeds', values(:, 2))
     call table%add('median_factor', '', 'its median', values(:, 3))
-    call table%add('quantile_95_factor', '', 'what 95 % of them are at most', values(:, 4))
+    call table%add('quantile_95_factor', '', 'its 95th percentile', values(:, 4))
     call table%add('largest_factor', '', 'the largest', values(:, 5))
     call table%add('rpm', '1/min', 'speed at which that is', values(:, 6))
     call table%add('worst_draw', '', 'of which gears, in the order in which they are drawn', values(:, 7))
@@ -280,8 +280,8 @@ contains
     call table%add('single_pitch_um', 'um', 'single pitch deviation, without the run-out', values(:, 1))
     call table%add('cumulative_pitch_um', 'um', 'cumulative pitch deviation, without the run-out', values(:, 2))
     call table%add('coast_pitch_um', 'um', 'the same of the coast flanks', values(:, 7))
-    call table%add('profile_slope_um', 'um', 'profile slope deviation; NaN where a file tells the profile', values(:, 3))
-    call table%add('profile_form_um', 'um', 'profile form deviation; NaN where a file tells the profile', values(:, 4))
+    call table%add('profile_slope_um', 'um', 'profile slope deviation; NaN where a file has the profile', values(:, 3))
+    call table%add('profile_form_um', 'um', 'profile form deviation; NaN where a file has the profile', values(:, 4))
     call table%add('runout_um', 'um', 'run-out of the gear', values(:, 5))
     call table%add('runout_phase_deg', 'deg', 'its phase where the stated tooth enters at A', values(:, 6))
   end subroutine fill_teeth
@@ -424,7 +424,7 @@ contains
       call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
       call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
       call table%add_index(axis('order', '', of_order, values(:, 3)))
-      call table%add_words('order_name', 'what it is: mesh, pinion and gear orders, sidebands of mesh orders, and told waves', &
+      call table%add_words('order_name', 'what it is: mesh, pinion and gear orders, sidebands of mesh orders, and stated waves', &
                            [(orders%name, k=1, size(turns))])
       words = reshape(words_of(turns%point%steady%status), [size(turns)])
       where (.not. reshape(turns%rpm > 0, [size(turns)])) words = 'none'
@@ -662,7 +662,7 @@ contains
     integer :: i
 
     if (allocated(found%ste)) then
-      call table%add('ste_peak_to_peak_um', 'um', 'largest less least static transmission error over the turn', [found%ste(1:, :)])
+      call table%add('ste_peak_to_peak_um', 'um', 'peak-to-peak static transmission error over the turn', [found%ste(1:, :)])
       call table%add('nominal_ste_peak_to_peak_um', 'um', 'the same of gears without deviations', &
                      [spread(found%ste(0, :), 1, ubound(found%ste, 1))])
     end if

@@ -24,7 +24,7 @@ module gearsweep_motion_attractor_search
     type(steady_t) :: steady                     !< steady motion, from the first of its states
     logical :: attracts = .false.
     real(dp), allocatable :: state(:, :)         !< once a mesh period, x and y, m; (2, period)
-    ! Of disturbances in static deflections, as scaled by `scale_of`:
+    ! For disturbances in static deflections (`scale_of`):
     real(dp), allocatable :: map(:, :, :)        !< M from each state to itself; (2, 2, period)
     real(dp), allocatable :: form(:, :, :)       !< Q of that map; (2, 2, period)
   end type known_t

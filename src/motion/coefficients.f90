@@ -99,7 +99,7 @@ contains
     real(dp), intent(in) :: zeta                 !< damping ratio
     real(dp), intent(in) :: finest               !< steps per radian of the natural motion right after the break
     real(dp), intent(in) :: duration             !< duration of the mesh period, s
-    ! The coefficients themselves are resolved as if they turned through this many radians in a period.
+    ! Equivalent angle of the coefficients in a period (rad), which sets the steps that resolve them.
     real(dp), parameter :: smooth = 24
     real(dp), parameter :: slower = 1/7.0_dp     ! instead of the sufficient 1/6, to be safe
     real(dp) :: rate, decay                      ! rate and decay of the fastest motion, over the frequency
@@ -141,7 +141,7 @@ contains
     type(grading_t), intent(in) :: grading
     real(dp), intent(in) :: length               !< length of the interval, mesh phase
 
-    ! Replaces the integral (1 - exp(-x))/x, as it is needed for every operating point.
+    ! Estimate instead of the exact integral (1 - exp(-x))/x, to save time: every operating point needs it.
     steps = sum(grading%dense*length/(1 + grading%fade*length))
   end function expected_steps
 

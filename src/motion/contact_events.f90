@@ -392,8 +392,8 @@ contains
     integer, intent(in) :: l
     real(dp), intent(in) :: approach             ! relative speed of the flanks that meet or part, m over the phase
     type(sub_steps_t), intent(in) :: c
-    ! `negligible` is in static deflections: the natural motion receives a part of that speed. `near` is in radians: damping lets
-    ! pairs close and open that much earlier than without it.
+    ! `negligible`: amplitude of the natural motion (static deflections) that may be neglected. `near`: angle of the natural motion
+    ! (rad) by which damping advances the closing and opening of pairs.
     real(dp), parameter :: negligible = 1e-7_dp, near = 4
 
     excites = map%table%kind(c%step)%stiff

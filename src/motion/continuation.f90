@@ -314,7 +314,7 @@ contains
     if (factor > 0) largest = factor
   end subroutine follow_segment
 
-  !> Records the speed for all levels that this mesh period is the first to pass.
+  !> Records the speed for each level that the dynamic factor passes for the first time in this mesh period.
   pure subroutine pass_levels(levels, sense, speed, factor, passed)
     type(level_t), intent(in) :: levels(:)
     real(dp), intent(in) :: sense, speed, factor

@@ -104,7 +104,7 @@ contains
   end function raise_for
 
   !> Error of a result of fourth order, as by Runge-Kutta steps that end at the breaks: three times a fifteenth of the difference.
-  !> Where contact changes within steps no order shows: five times the difference.
+  !> Where contact changes within steps the order is not known: five times the difference.
   pure real(dp) function fourth_order_error(difference, partial)
     real(dp), intent(in) :: difference  !< difference of dynamic factors, motions in static deflections or transmission errors
     logical, intent(in) :: partial               !< contact changes

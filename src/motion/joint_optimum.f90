@@ -47,8 +47,8 @@ module gearsweep_motion_joint_optimum
       type(design_t), intent(out) :: design
       logical, intent(out) :: stopped            !< the caller ended the search
       type(error_t), allocatable, intent(out) :: error
-      !> If present, only the speeds around the worst ones of this design count, if some of the speeds show that a design is not
-      !> the best; otherwise all results stay unallocated.
+      !> Best design so far. If present, only the speeds around its worst ones are computed; where a few speeds cannot show that a
+      !> design is not the best, all results stay unallocated.
       type(design_t), intent(in), optional :: best
     end subroutine judge_design
   end interface
@@ -58,7 +58,7 @@ module gearsweep_motion_joint_optimum
 
 contains
 
-  !> Finds the best of the designs reached from the best start of each group, as there are several valleys: no start that was
+  !> Descends from the best start of each group, as there are several local minima, and returns the best design. No start that was
   !> judged at all speeds is better.
   subroutine find_joint_optimum(judge, context, starts, optimum, error)
     procedure(judge_design) :: judge

@@ -235,7 +235,7 @@ contains
       if (osc%has_backlash) period%coast_peak = max(period%coast_peak, coast_at(osc, table, begins, i, before(1)), &
                                                     coast_at(osc, table, ends, i, state(1)))
       if (present(trace)) call record_step(osc, table, i, [contact_set, last_set], reshape([before, state], [2, 2]), trace)
-      ! In steps so long that the method is unstable, squares would overflow beyond this.
+      ! Where steps are so long that the method is unstable, the state grows until its square would overflow.
       if (.not. maxval(abs(state)) < lost) exit
     end do
     period%state = state

@@ -136,8 +136,8 @@ contains
     end do
   end subroutine load_over_step
 
-  !> Load (N) of a pair in contact at its maximum within a step, from the motion and the properties of all pairs at that place: a
-  !> stiffness through many knots is no polynomial from one end of the step to the other.
+  !> Load (N) of a pair in contact at its maximum within a step, from the motion and the properties of all pairs at that place:
+  !> a stiffness with several knots in the step is not one polynomial.
   pure real(dp) function largest_within(osc, table, step, law, pair, motion, load) result(largest)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table

@@ -20,7 +20,7 @@ module gearsweep_motion_optimum
     real(dp), allocatable :: dynamic_factor(:)   !< largest over the speeds; (relief)
     real(dp), allocatable :: rpm(:)              !< speed of that, 1/min; (relief)
     integer, allocatable :: failed(:)            !< speeds without a result; (relief)
-    !> True if only some speeds were tried, as these show that the relief is not the best; (relief)
+    !> True if only some speeds were computed, as they show that the relief is not the best; (relief)
     logical, allocatable :: is_bound(:)
     logical, allocatable :: repeats(:)           !< true if the motions at all speeds tried repeat in each mesh period; (relief)
     integer :: best = 0                          !< index of the minimum; 0 if every relief failed
@@ -76,7 +76,7 @@ contains
     end do
   end function find_resonances
 
-  !> Largest fall of the curve from its first value before it exceeds it or ends.
+  !> Largest drop below the first value of a curve, up to the first point above that value.
   pure real(dp) function fall(curve)
     real(dp), intent(in) :: curve(:)
     integer :: i

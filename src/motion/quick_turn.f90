@@ -300,7 +300,7 @@ contains
     real(dp), intent(in) :: values(lanes)
     real(dp) :: half(lanes/2), quarter(lanes/4)
 
-    ! Halving uses the processor's own instructions.
+    ! The compiler turns maxima of halves into vector instructions.
     half = max(values(:lanes/2), values(lanes/2 + 1:))
     quarter = max(half(:lanes/4), half(lanes/4 + 1:))
     largest = maxval(quarter)

@@ -327,7 +327,7 @@ contains
     call set_damping(map, damping)
     if (has_result(here%status) .and. .not. at > damping) then
       here%work = work
-      ! A doubled motion may have become a single one again.
+      ! The period of a doubled motion may have halved again.
       if (here%periods > 1) call shorten(map, options%tolerance, here)
       steady = here
     else

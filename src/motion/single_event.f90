@@ -287,7 +287,7 @@ contains
 
     call find_dense_step(map, change%step, change%behind, behind)
     call find_dense_step(map, change%step, change%before, before)
-    ! The second may have replaced the first.
+    ! The second call may have replaced the first result in the cache.
     call find_dense_step(map, change%step, change%behind, behind)
     associate (step => change%step, width => map%table%width(change%step), sense => state%contacts(change%pair)%sense, &
                first => map%dense(before)%c, second => map%dense(behind)%c, of_second => map%dense(behind)%propagator)

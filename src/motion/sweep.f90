@@ -54,13 +54,14 @@ module gearsweep_motion_sweep
   end type block_t
 
   abstract interface
-    !> Receives now and then, from one thread at a time, how many points are done; never fewer than before.
+    !> Receives the number of finished points at intervals, from one thread at a time; it never falls.
     subroutine progress_of_sweep(done, total)
       integer, intent(in) :: done, total
     end subroutine progress_of_sweep
   end interface
 
-  !> Counter of parts of points: solved by itself, passed by the branch and, in a sweep up and down, passed on the way down.
+  !> Counter of finished parts of points: the solution by itself, the sweep along the branch and, with both directions, the sweep
+  !> down.
   type :: counter_t
     integer(int64) :: units = 0
     integer :: parts = 2                         !< parts of a point
@@ -344,7 +345,7 @@ contains
     done = self%before + int(self%units/self%parts)
     if (c_associated(self%watch)) then
       call c_f_pointer(self%watch, mark, [3])
-      ! Points of a task that follows were reported before.
+      ! The number never falls, even where an earlier task reported more points.
       done = max(done, mark(2))
       mark(2:3) = [done, self%total]
     end if

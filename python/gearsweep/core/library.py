@@ -193,7 +193,7 @@ def _free(address: int) -> None:
 
 
 def _checked(results: tuple) -> list:
-    """Returns all results but the last two, the code and message of every call; raises an `Error` for them."""
+    """Checks the last two results of a call, its code and message, and returns the others; raises an `Error` if it failed."""
     *found, info, message = results
     if info != Code.OK:
         raise Error(_str(message).rstrip(), Code(info))

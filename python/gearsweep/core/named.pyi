@@ -113,7 +113,7 @@ class MeshTable(Table):
     s: NDArray[float64]
     """path coordinate of the pair, in base pitches from A; below 0 before A"""
     pair_stiffness_n_um: NDArray[float64]
-    """N/um: stiffness of this pair, whole face width; what the dynamics take"""
+    """N/um: stiffness of this pair, whole face width, as in the motion"""
     mesh_stiffness_n_um: NDArray[float64]
     """N/um: of all pairs that carry load; of whole gears also their discs"""
     profile_error_um: NDArray[float64]
@@ -139,7 +139,7 @@ class TransmissionErrorTable(Table):
     relief_um: NDArray[float64]
     """um: amount of relief"""
     peak_to_peak_um: NDArray[float64]
-    """um: largest less least transmission error"""
+    """um: peak-to-peak transmission error"""
     mean_um: NDArray[float64]
     """um: mean transmission error"""
     rms_um: NDArray[float64]
@@ -315,7 +315,7 @@ class LoadTable(Table):
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
     pair: NDArray[int64]
-    """which of so many pairs this is, from 1; 0 without an answer"""
+    """index of the pair, from 1; 0 without an answer"""
 
 class LoadPointsTable(Table):
     """dynamic factor and what else is read off the motion, at the speeds of the task load"""
@@ -353,7 +353,7 @@ class LoadPointsTable(Table):
     dte_rms_um: NDArray[float64]
     """um: root mean square deviation from that; NaN where there is no answer"""
     dte_peak_to_peak_um: NDArray[float64]
-    """um: largest less least dynamic transmission error; NaN where there is no answer"""
+    """um: peak-to-peak dynamic transmission error; NaN where there is no answer"""
 
 class MotionHarmonicsTable(Table):
     """dynamic transmission error and elastic load of the mesh, each as the sum of amplitude cos(2 pi harmonic tau + phase) over the mesh periods tau; harmonic 0 is the mean"""
@@ -487,7 +487,7 @@ class SweepTable(Table):
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
     branch_lost: NDArray[int64]
-    """with direction up, down or both, 1: the motion at the speed before led to none here, and this point was solved by itself; else 0"""
+    """with direction up, down or both: 1 if the motion at the previous speed led to none here, else 0"""
     frequency_ratio: NDArray[float64]
     """mesh frequency over the natural frequency of the mean mesh stiffness"""
     coast_factor: NDArray[float64]
@@ -495,7 +495,7 @@ class SweepTable(Table):
     dte_rms_um: NDArray[float64]
     """um: root mean square of the dynamic transmission error about its mean over the steady motion; NaN where there is no answer"""
     dte_peak_to_peak_um: NDArray[float64]
-    """um: largest less least dynamic transmission error of the steady motion; NaN where there is no answer"""
+    """um: peak-to-peak dynamic transmission error of the steady motion; NaN where there is no answer"""
     dte_error_estimate_um: NDArray[float64]
     """um: estimated error of either of these; NaN: not known"""
     seen_dynamic_factor: NDArray[float64]
@@ -503,7 +503,7 @@ class SweepTable(Table):
     seen_dte_rms_um: NDArray[float64]
     """um: root mean square deviation of its dynamic transmission error from its mean"""
     seen_dte_peak_to_peak_um: NDArray[float64]
-    """um: largest less least of that error; a lower bound too"""
+    """um: peak-to-peak value of that error; a lower bound too"""
     seen_periods: NDArray[int64]
     """mesh periods over which that motion was watched; 0: none"""
     motions: NDArray[float64]
@@ -601,7 +601,7 @@ class OptimumTable(Table):
     largest_dynamic_factor: float
     """largest DF at that speed of all motions that are known: its own, and those that a start reaches; NaN where there is none"""
     within_um: float
-    """um: the true optimum lies so near"""
+    """um: largest distance to the true optimum"""
     points_without_answer: int
     """speeds without an answer there; of all reliefs where no point has one"""
     ste_peak_to_peak_um: float
@@ -671,7 +671,7 @@ class OptimumDesignTable(Table):
     worst_dynamic_factor: float
     """largest DF over the speeds; NaN where none has an answer (over several torques as over_torques says)"""
     within: float
-    """within such a part of the ranges, up and down in each of these numbers, no better design was found"""
+    """no better design was found within this part of the ranges, up and down"""
     designs_tried: int
     """designs tried"""
     ste_peak_to_peak_um: float
@@ -705,7 +705,7 @@ class DeflectionReliefTable(Table):
     gear_relief_um: NDArray[float64]
     """um: amount of relief at the gear's tip"""
     within_um: NDArray[float64]
-    """um: the least lies so near; NaN for methods that look for none"""
+    """um: largest distance to the true least; NaN without a search"""
     ste_range_um: NDArray[float64]
     """um: peak-to-peak static transmission error with this relief"""
     worst_dynamic_factor: NDArray[float64]
@@ -789,7 +789,7 @@ class AsBuiltTable(Table):
     dte_rms_um: NDArray[float64]
     """um: root mean square deviation of the dynamic transmission error from its mean"""
     dte_peak_to_peak_um: NDArray[float64]
-    """um: largest less least dynamic transmission error"""
+    """um: peak-to-peak dynamic transmission error"""
     dte_error_estimate_um: NDArray[float64]
     """um: estimated error of either of these; NaN: not known"""
     nominal_dte_peak_to_peak_um: NDArray[float64]
@@ -805,7 +805,7 @@ class AsBuiltTable(Table):
     seen_dte_rms_um: NDArray[float64]
     """um: root mean square deviation of its dynamic transmission error from its mean"""
     seen_dte_peak_to_peak_um: NDArray[float64]
-    """um: largest less least of that error; a lower bound too"""
+    """um: peak-to-peak value of that error; a lower bound too"""
     seen_periods: NDArray[int64]
     """mesh periods over which that motion was watched; 0: none"""
 
@@ -821,7 +821,7 @@ class AsBuiltSummaryTable(Table):
     median_factor: NDArray[float64]
     """its median"""
     quantile_95_factor: NDArray[float64]
-    """what 95 % of them are at most"""
+    """its 95th percentile"""
     largest_factor: NDArray[float64]
     """the largest"""
     rpm: NDArray[float64]
@@ -867,7 +867,7 @@ class AsBuiltWorstTable(Table):
     first_gear_tooth: NDArray[float64]
     """number of the gear's tooth that enters at A with the pinion's stated tooth at the time 0"""
     ste_peak_to_peak_um: NDArray[float64]
-    """um: largest less least static transmission error over the turn"""
+    """um: peak-to-peak static transmission error over the turn"""
     nominal_ste_peak_to_peak_um: NDArray[float64]
     """um: the same of gears without deviations"""
     pinion_root_stress_mpa: NDArray[float64]
@@ -893,9 +893,9 @@ class AsBuiltTeethTable(Table):
     coast_pitch_um: NDArray[float64]
     """um: the same of the coast flanks"""
     profile_slope_um: NDArray[float64]
-    """um: profile slope deviation; NaN where a file tells the profile"""
+    """um: profile slope deviation; NaN where a file has the profile"""
     profile_form_um: NDArray[float64]
-    """um: profile form deviation; NaN where a file tells the profile"""
+    """um: profile form deviation; NaN where a file has the profile"""
     runout_um: NDArray[float64]
     """um: run-out of the gear"""
     runout_phase_deg: NDArray[float64]
@@ -951,7 +951,7 @@ class AsBuiltOrdersTable(Table):
     order: NDArray[float64]
     """order: cycles a turn of the pinion"""
     order_name: NDArray[str_]
-    """what it is: mesh, pinion and gear orders, sidebands of mesh orders, and told waves"""
+    """what it is: mesh, pinion and gear orders, sidebands of mesh orders, and stated waves"""
     status: NDArray[str_]
     """how this operating point ended, in a word; none: no speed has an answer"""
     gear_order: NDArray[float64]
@@ -1053,7 +1053,7 @@ class HysteresisTable(Table):
     dte_rms_um: NDArray[float64]
     """um: root mean square of the dynamic transmission error about its mean over the steady motion; NaN where there is no answer"""
     dte_peak_to_peak_um: NDArray[float64]
-    """um: largest less least dynamic transmission error of the steady motion; NaN where there is no answer"""
+    """um: peak-to-peak dynamic transmission error of the steady motion; NaN where there is no answer"""
     dte_error_estimate_um: NDArray[float64]
     """um: estimated error of either of these; NaN: not known"""
 
@@ -1265,7 +1265,7 @@ class BranchPointsTable(Table):
     dte_rms_um: NDArray[float64]
     """um: root mean square of the dynamic transmission error about its mean over the steady motion; NaN where there is no answer"""
     dte_peak_to_peak_um: NDArray[float64]
-    """um: largest less least dynamic transmission error of the steady motion; NaN where there is no answer"""
+    """um: peak-to-peak dynamic transmission error of the steady motion; NaN where there is no answer"""
     dte_um: NDArray[float64]
     """um: dynamic transmission error as a new pair enters"""
     dte_rate_mm_s: NDArray[float64]
@@ -1301,7 +1301,7 @@ class BranchChangesTable(Table):
     dte_rms_um: NDArray[float64]
     """um: root mean square of the dynamic transmission error about its mean over the steady motion; NaN where there is no answer"""
     dte_peak_to_peak_um: NDArray[float64]
-    """um: largest less least dynamic transmission error of the steady motion; NaN where there is no answer"""
+    """um: peak-to-peak dynamic transmission error of the steady motion; NaN where there is no answer"""
     phase: NDArray[float64]
     """of grazing, the mesh phase; NaN where it is not known or no grazing"""
     in_period: NDArray[int64]
@@ -1395,7 +1395,7 @@ class PrecisionTable(Table):
     status: NDArray[str_]
     """ok, or why there is no value, as in the table sweep"""
     run_time_s: NDArray[float64]
-    """s: processor time of the calling thread, the shortest of several runs, with the error estimate where the method has one; it differs from run to run. Dynamic factor: one speed, from the reference's motion on, with the coefficients tabulated before. Harmonics and modes: all numbers together. Elements: with making and factoring the grids"""
+    """s: processor time of the calling thread, the shortest of several runs, with the error estimate where the method has one; it differs from run to run. Dynamic factor: one speed, from the reference's motion on, with the coefficients tabulated before. Harmonics and modes: all of them together. Elements: with building and factoring the grids"""
 
 class PrecisionFinestTable(Table):
     """what the results in the table precision are compared with"""
@@ -1431,7 +1431,7 @@ class FlankTable(Table):
     loading: NDArray[str_]
     """static: as stiffness and relief share the load; dynamic: that of the motion"""
     pair: NDArray[int64]
-    """which of so many different pairs this is, from 1; 0 without an answer"""
+    """index of the pair, from 1; 0 without an answer"""
     s: NDArray[float64]
     """path coordinate of the pair, in base pitches from A; below 0 before A"""
     path_mm: NDArray[float64]
@@ -1585,7 +1585,7 @@ class RatingFactorsTable(Table):
     resonance_rpm: NDArray[float64]
     """1/min: resonance running speed n_E1 of the pinion, ISO 6336-1, 6.5.3"""
     accuracy_grade: NDArray[int64]
-    """of ISO 1328-1; of stated deviations the finest that allows them, 13 for none"""
+    """of ISO 1328-1; with stated deviations the finest that allows both, 13 for none"""
     pitch_deviation_um: NDArray[float64]
     """um: f_pb after running in"""
     profile_deviation_um: NDArray[float64]
@@ -1767,17 +1767,17 @@ class HarmonicTable(Table):
     stress_mpa: NDArray[float64]
     """MPa: amplitude of the stress along the surface"""
     stress_phase_deg: NDArray[float64]
-    """deg: by how much it runs ahead of the load"""
+    """deg: phase by which it leads the load"""
     strain_um_m: NDArray[float64]
     """um/m: amplitude of the strain along the surface"""
     displacement_x_um: NDArray[float64]
     """um: amplitude of the displacement across the tooth"""
     phase_x_deg: NDArray[float64]
-    """deg: by how much it runs ahead of the load"""
+    """deg: phase by which it leads the load"""
     displacement_y_um: NDArray[float64]
     """um: amplitude of the displacement along the tooth's axis"""
     phase_y_deg: NDArray[float64]
-    """deg: by how much it runs ahead of the load"""
+    """deg: phase by which it leads the load"""
     error_estimate: NDArray[float64]
     """estimated discretisation error of the stress at this frequency, relative"""
 
@@ -2059,7 +2059,7 @@ class MotionTable(Table):
     iso_resonance_rpm: float
     """1/min: resonance running speed n_E1 of ISO 6336-1, method B, with the same masses"""
     body_rotation_um: float
-    """um: turn of whole gears about their bores under the load, on the line of action: not in the motion but for felt_rotation_um"""
+    """um: rotation of whole gears about their bores under the load, on the line of action: not in the motion, except for felt_rotation_um"""
     body_coupling_um: float
     """um: what neighbouring teeth share beyond that: in the stiffness of each pair"""
     pinion_body_teeth: int

@@ -71,9 +71,9 @@ def quantile(values: Reals, shares: Reals, q: float, drawn: Reals) -> Reals:
 def band(values: Reals, shares: Reals, q: float, confidence: float) -> tuple[float, float]:
     """Returns order statistics that enclose the quantile with this confidence; NaN if there are too few draws.
 
-    Uses the binomial distribution of the number of independent points with the same scatter of the share at or below the quantile
-    (Korn and Graubard 1998, Survey Methodology 24): at least that of the draws, and at most that of all points. With one point in
-    each draw it is exact, and the same as `scipy.stats.quantile_test`.
+    The share of points at or below the quantile scatters over the draws. The effective number of points is the number of independent
+    ones with the same scatter (Korn and Graubard 1998, Survey Methodology 24); it lies between the number of draws and that of all
+    points. With one point in each draw the band is that of `scipy.stats.quantile_test`.
     """
     draws, once = len(values), np.ones((1, len(values)))
     share = (values <= quantile(values, shares, q, once)[0]) @ shares
@@ -87,11 +87,11 @@ def band(values: Reals, shares: Reals, q: float, confidence: float) -> tuple[flo
 
 
 def ranks(n: int, q: Any, confidence: float) -> tuple[Any, Any]:
-    """Returns the ranks, from 1, of the two of n independent numbers that enclose the quantile with this confidence; 0 and n +
-    1: none.
+    """Returns the ranks, from 1, of the two of n independent numbers that enclose the quantile with this confidence; rank 0 or
+    n + 1 means that there is none.
 
-    k of n are below it with the probability of the binomial distribution (Conover 1999, Practical Nonparametric Statistics, 3.1); as
-    `scipy.stats.quantile_test`: at least as many at or below the lower end as are too few with the probability of the tail.
+    The number of values below the quantile has a binomial distribution (Conover 1999, Practical Nonparametric Statistics, 3.1); the
+    ranks are those of `scipy.stats.quantile_test`.
     """
     from scipy.stats import binom
 
@@ -101,7 +101,7 @@ def ranks(n: int, q: Any, confidence: float) -> tuple[Any, Any]:
 
 
 def enough(q: float, confidence: float) -> int:
-    """Returns the number of draws that is enough for both ends of a band: all of them lie on one side of the quantile with at
-    most the tail's probability.
+    """Returns the least number of draws for a band with both ends: so many that all lie on one side of the quantile with at most
+    the probability of a tail.
     """
     return int(np.ceil(np.log((1 - confidence) / 2) / np.log(max(q, 1 - q))))

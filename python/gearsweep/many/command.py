@@ -147,7 +147,7 @@ def _option(found: Arguments, word: str, value: str) -> None:
 
 
 def _usage(message: str) -> Error:
-    return Error(f'{message}; gearsweep many --help tells more', Code.USAGE)
+    return Error(f'{message}; gearsweep many --help has more', Code.USAGE)
 
 
 def _executor(wanted: Arguments) -> Any:

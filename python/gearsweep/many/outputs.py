@@ -92,7 +92,7 @@ class Layout:
         return list(dict.fromkeys((one.name.partition('.')[0], dim.rpartition('.')[2], dim) for one in self.columns for dim in one.dims))
 
     def indices(self) -> dict[str, Reals] | None:
-        """Returns, by 'table.column', the index columns of outputs with a value for each of its rows; None if one has words."""
+        """Returns the index columns of the outputs by 'table.column', with a value for each row; None if one contains words."""
         found = {}
         for one in self.columns:
             for at, dim in enumerate(one.dims):

@@ -37,7 +37,7 @@ class Sobol:
 
     @staticmethod
     def _points(engine, begin: int, end: int) -> Reals:
-        """Continues from the position of the engine; to go back it starts again."""
+        """Returns the points begin to end of a scramble; the engine is reset if it has passed them."""
         import warnings
 
         if engine.num_generated > begin:

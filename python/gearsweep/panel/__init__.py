@@ -79,12 +79,12 @@ def arguments(words: list[str]) -> tuple[str, int | None, bool]:
         elif word == '--port':
             value = next(remaining, '')
             if not (value.isascii() and value.isdigit() and int(value) < 65536):
-                raise Error('--port: must be an integer from 0 to 65535; gearsweep panel --help tells more', Code.USAGE)
+                raise Error('--port: must be an integer from 0 to 65535; gearsweep panel --help has more', Code.USAGE)
             port = int(value)
         elif word.startswith('-'):
-            raise Error(f'unknown option {word}; gearsweep panel --help tells more', Code.USAGE)
+            raise Error(f'unknown option {word}; gearsweep panel --help has more', Code.USAGE)
         elif path:
-            raise Error(f'one case or folder at a time: {path} and {word}; gearsweep panel --help tells more', Code.USAGE)
+            raise Error(f'one case or folder at a time: {path} and {word}; gearsweep panel --help has more', Code.USAGE)
         else:
             path = word
     return path, port, opens

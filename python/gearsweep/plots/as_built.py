@@ -20,9 +20,9 @@ from .reliefs import Reliefs, study_of, table_of
 
 #: Number of pairs of gears and assemblies from which a band omits the outermost.
 MANY = 20
-#: Of a turn of more mesh periods than fit side by side, so many are drawn: about the pair with the largest load.
+#: Number of mesh periods drawn of a long turn, about the pair with the largest load.
 MOST_PERIODS, PART = 100, 25
-#: Of more orders than fit side by side, those of the mesh and so many of the largest others are drawn.
+#: Number of the largest orders drawn besides the mesh orders, if there are many.
 MOST_ORDERS, LARGEST = 100, 40
 #: Number of named sidebands, and twice the number of named shaft orders; range of the scales below the largest amplitude.
 NAMED, DEPTH = 4, 1e4
@@ -256,12 +256,12 @@ def _point(table: Table, relief_um: float | None, rpm: float | None) -> tuple[fl
 
 
 def _is_of(name: str, *lengths: int) -> bool:
-    """Tells whether an order is one of the mesh whose name has so many words."""
+    """True if an order is a mesh order whose name has one of these numbers of words."""
     return name.startswith('mesh') and len(name.split()) in lengths
 
 
 def _part(study: Study, periods: int, relief: float, rpm: float | None) -> tuple[int, int, int]:
-    """Returns the first and the last mesh period to be drawn, all or those about the largest load of a pair, and how many the turn has."""
+    """Returns the first and the last mesh period to be drawn, and their number in the turn: all, or those about the largest load."""
     if periods <= MOST_PERIODS:
         return 0, periods, periods
     middle = 0.0

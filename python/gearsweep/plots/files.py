@@ -95,7 +95,7 @@ def draw_all(
 
 
 def figures(study: Study, *names: str, stem: str = '') -> Iterator[tuple[str, Figure]]:
-    """Returns name and figure of each picture that `draw_all` writes, or of those named: after its main table.
+    """Draws the pictures that `draw_all` writes, or those named; returns the name of the main table and the figure of each.
 
     Each has the title of the case at the top, or else `stem`.
     """
@@ -396,7 +396,7 @@ PICTURES = {
     'branches': Picture('Bifurcation diagram: transmission error (rms) or dynamic factor of all branches over speed, mesh frequency or frequency '
                         'ratio, solid where the motion attracts, dashed where it repels, with folds, doublings and grazing', _reliefs('branches', plot_branches, 90)),
     'sensitivity': Picture('By how many per cent the dynamic factor changes with one per cent of each number of the motion', _sensitivity),
-    'precision': Picture("Relative error over run time, a curve for each method, the methods' own estimates beside it", _precision),
+    'precision': Picture("Relative error over run time, a curve for each method, and the methods' own estimates", _precision),
     'flank': Picture("Pressure, sliding, flash temperature and film along the path of contact, under the motion's load and, fine, the static one",
                      _flank),
     'dynamic_factors': Picture('Dynamic factor over speed by Method A of ISO 6336-1, the motion, and by Method B', _single(plot_rating, 65)),
@@ -411,7 +411,7 @@ PICTURES = {
     'body_modes': Picture('Modes of a whole gear seen from the front, with the displacement along the axis or in the plane', _body_modes),
     'body_campbell': Picture('Speeds at which the mesh excites the modes of a whole gear as it turns past the load',
                              _single(plot_body_campbell, 100, PAGE)),
-    'as_built': Picture('Dynamic factor over speed of gears as built, median and band of all pairs of gears and assemblies, beside that of '
+    'as_built': Picture('Dynamic factor over speed of gears as built, median and band of all pairs of gears and assemblies, and that of '
                         'nominal gears', _as_built),
     'as_built_worst': Picture('Largest dynamic factor of each assembly, best and worst named', _assemblies,
                               has_some=lambda study: max(len(study.as_built_worst.draw), len(study.as_built_worst.assembly)) > 1),

@@ -70,7 +70,7 @@ def plot_flank(
 
 
 def _kinematics(ax: Axes, flank: Table, mask: np.ndarray, quantity: str) -> list[Line2D]:
-    """Draws one curve, or one for each flank, as the load does not matter."""
+    """Draws a quantity that does not depend on the load: one curve, or one for each flank."""
     columns = [quantity] if quantity in flank.units else ['pinion_specific_sliding', 'gear_specific_sliding']
     order = np.flatnonzero(mask)[np.argsort(flank.s[mask], kind='stable')]
     styles: list[dict[str, Any]] = [{'color': GREY}, {'color': GREY, 'linestyle': (0, (5, 1.5))}]

@@ -11,7 +11,7 @@ KINDS: dict[int | str, str] = {1: BLUE, 2: ORANGE, 3: SKY, 'chaotic': WINE, 'und
 
 
 def in_words(kind: int | str, periods: np.ndarray) -> str:
-    """Words of a legend for motions of one kind that repeat after so many mesh periods."""
+    """Legend text for motions of one kind that repeat after this number of mesh periods."""
     if isinstance(kind, str):
         return kind
     if kind == 1:

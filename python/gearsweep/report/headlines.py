@@ -34,7 +34,7 @@ def as_json(study: Study) -> list[dict[str, Any]]:
 
 
 def shown(value: float, digits: int = 4) -> str:
-    """Formats a number for readers: to so many digits, without trailing digits."""
+    """Formats a number for readers: to this number of digits, without trailing zeros."""
     if not np.isfinite(value):
         return '–'
     if float(value).is_integer() and abs(value) < 1e7:
@@ -160,7 +160,7 @@ def _rating(study: Study) -> Iterator[Headline]:
 
 
 def _best_rated(study: Study) -> tuple[np.ndarray, str]:
-    """Returns the rows of the rating with the relief that is best over the speeds, and its words; all rows without a sweep."""
+    """Returns the rows of the rating with the best relief over the speeds, and a text that names it; all rows without a sweep."""
     relief = study.rating._read('relief_um')
     if len(set(relief)) == 1:
         return np.ones(relief.size, bool), ''

@@ -25,7 +25,7 @@ from .headlines import headlines
 FIRST = ('sweep', 'dynamic_factors', 'optimum_curve', 'hysteresis', 'load', 'mesh')
 #: Row counts above which tables are folded and shortened, and above which they are only written to files.
 LONG, LONGEST = 40, 2000
-#: A table with at most so many rows and more columns than fit on a page has its columns below each other.
+#: Largest number of rows of a table that has its columns below each other where they are too many for the page.
 FEW, WIDE = 5, 6
 STYLE = """:root { color-scheme: light }
 body { font: 15px/1.45 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; background: #fff }

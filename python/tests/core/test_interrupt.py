@@ -187,7 +187,7 @@ def test_the_module_refuses_to_resume_as_the_program_does(tmp_path, program):
     SHORT.write(tmp_path / 'short.nml')
     ours = subprocess.run([sys.executable, '-m', 'gearsweep', 'short.nml', '--resume'], cwd=tmp_path, capture_output=True, text=True, check=False)
     theirs = program('short.nml', '--resume', cwd=tmp_path)
-    assert (ours.returncode, ours.stderr) == (theirs.returncode, theirs.stderr) == (Code.USAGE, f'gearsweep: --resume: {GONE}; gearsweep --help tells more\n')
+    assert (ours.returncode, ours.stderr) == (theirs.returncode, theirs.stderr) == (Code.USAGE, f'gearsweep: --resume: {GONE}; gearsweep --help has more\n')
     assert sorted(path.name for path in tmp_path.iterdir()) == ['short.nml']
 
 

@@ -236,7 +236,7 @@ contains
 
     call reader%get(group, 'relief_um', self%own_relief, error, unit='um', tasks=group, at_least=0.0_dp, at_most=1e9_dp, &
                     max_size=10000, distinct=.true., otherwise='all of &relief amount_um', &
-                    meaning='amounts of tip relief to take, each of which &relief amount_um has')
+                    meaning='tip reliefs, from those of &relief amount_um')
   end subroutine read_reliefs
 
   !> Checks the task's keys against the case: its reliefs must be among those of the case.

@@ -94,7 +94,7 @@ contains
     if (fits) fits = list%groups(1) == lower(group)
     if (fits .and. len(value) > 0) fits = list%entries(1)%key == lower(key)
     if (.not. fits) call fail(error, code_input, '&'//shown(group)//' '//shown(key)//' = '//shown(value)// &
-                              ': is no group, key and value')
+                              ': expected a group, a key and a value')
   end subroutine check_value
 
   !> Position after the comma that separates a key from the next one, if there is one.

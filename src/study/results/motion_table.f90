@@ -158,8 +158,8 @@ contains
       if (iso > 0) call table%add('iso_resonance_rpm', '1/min', 'resonance running speed n_E1 of ISO 6336-1, method B, with '// &
                                   'the same masses', [iso])
       felt = sum(felt_twist(study%hub_mass/study%mass, mesh%disc%twist))
-      call table%add('body_rotation_um', 'um', 'turn of whole gears about their bores under the load, on the line of '// &
-                     'action: not in the motion but for felt_rotation_um', [study%load*(mesh%disc%turn + felt)])
+      call table%add('body_rotation_um', 'um', 'rotation of whole gears about their bores under the load, on the line of '// &
+                     'action: not in the motion, except for felt_rotation_um', [study%load*(mesh%disc%turn + felt)])
       call table%add('body_coupling_um', 'um', 'what neighbouring teeth share beyond that: in the stiffness of each pair', &
                      [study%load*(mesh%disc%shared - felt)])
       if (felt > 0) call add_hubs(study, felt, mean, table)
@@ -232,8 +232,8 @@ contains
     real(dp) :: frequencies(2)
 
     frequencies = chain_frequencies(study%mass - study%hub_mass, study%hub_mass, 1/mean - felt, study%mesh%disc%twist)/(2*pi)
-    call table%add('felt_rotation_um', 'um', 'what of the bodies'' turn the inertia at the hubs makes the motion feel: in the '// &
-                   'stiffness of each pair', [study%load*felt])
+    call table%add('felt_rotation_um', 'um', 'part of the bodies'' rotation that inertia at the hubs brings into the '// &
+                   'motion: in the stiffness of each pair', [study%load*felt])
     call table%add('chain_frequency_hz', 'Hz', 'lowest natural frequency of the chain hub, body, mean mesh stiffness, body, hub', &
                    frequencies(1:1))
     call table%add('next_chain_frequency_hz', 'Hz', 'its next one, at which a body turns against its hub: not in the motion', &

@@ -24,7 +24,7 @@ module gearsweep_study_run_points
   character(*), parameter, public :: of_motions = 'how many motions attract at this speed, of which this is the one with the '// &
     'largest DF; NaN where that is not known'
   character(*), parameter, public :: of_dte_rms = 'root mean square of the dynamic transmission error about its mean over the '// &
-    'steady motion; NaN where there is no answer', of_dte_range = 'largest less least dynamic transmission error of the '// &
+    'steady motion; NaN where there is no answer', of_dte_range = 'peak-to-peak dynamic transmission error of the '// &
     'steady motion; NaN where there is no answer', of_dte_estimate = 'estimated error of either of these; NaN: not known'
   character(*), parameter, public :: of_seen = 'largest load of a pair over the static load that was seen in a motion that '// &
     'does not repeat: a lower bound'
@@ -75,7 +75,7 @@ contains
 
     call table%add('seen_dynamic_factor', '', of_seen//'; NaN where each motion that was met repeats', factor)
     call table%add('seen_dte_rms_um', 'um', 'root mean square deviation of its dynamic transmission error from its mean', dte_rms)
-    call table%add('seen_dte_peak_to_peak_um', 'um', 'largest less least of that error; a lower bound too', dte_range)
+    call table%add('seen_dte_peak_to_peak_um', 'um', 'peak-to-peak value of that error; a lower bound too', dte_range)
     call table%add('seen_periods', '', 'mesh periods over which that motion was watched; 0: none', periods)
   end subroutine add_seen
 

@@ -266,7 +266,7 @@ contains
         if (allocated(error)) return
         call table%add('pinion_relief_um', 'um', 'amount of relief at the pinion''s tip', [methods%amount(1)])
         call table%add('gear_relief_um', 'um', 'amount of relief at the gear''s tip', [methods%amount(2)])
-        call table%add('within_um', 'um', 'the least lies so near; NaN for methods that look for none', &
+        call table%add('within_um', 'um', 'largest distance to the true least; NaN without a search', &
                        merge(methods%within, no_number(), methods%within >= 0))
         call table%add('ste_range_um', 'um', 'peak-to-peak static transmission error with this relief', [methods%error_range])
         call table%add('worst_dynamic_factor', '', of_worst, factor_of(methods%worst))

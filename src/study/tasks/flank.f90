@@ -188,7 +188,7 @@ contains
     call table%add_index(axis('relief_um', 'um', of_relief, relief(path)))
     call table%add_index(axis('rpm', '1/min', of_speed, [paths(path)%rpm]))
     call table%add_index(axis('loading', '', of_loading, loadings(merge(2, 1, paths(path)%is_dynamic))))
-    call table%add_index(axis('pair', '', 'which of so many different pairs this is, from 1; 0 without an answer', &
+    call table%add_index(axis('pair', '', 'index of the pair, from 1; 0 without an answer', &
                               [(paths(i)%pair, i=1, size(paths))]))
     call table%add_index(axis('s', '', 'path coordinate of the pair, in base pitches from A; below 0 before A', s))
     call table%add('path_mm', 'mm', 'distance from A on the line of action', s*stages%base_pitch)

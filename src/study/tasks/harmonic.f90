@@ -25,7 +25,7 @@ module gearsweep_study_tasks_harmonic
 
   character(*), parameter :: of_s = 'path coordinate of the load, in base pitches from A', &
     of_tangent = 'angle of the fillet''s tangent at this point to the tooth''s axis', of_side = 'drive (the loaded side) or coast'
-  character(*), parameter :: ahead = 'by how much it runs ahead of the load', of_mode = 'from the lowest frequency'
+  character(*), parameter :: ahead = 'phase by which it leads the load', of_mode = 'from the lowest frequency'
   character(*), parameter :: sides(2) = [character(5) :: 'drive', 'coast']
 
   type, extends(runnable_t) :: harmonic_task_t

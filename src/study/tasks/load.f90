@@ -189,7 +189,7 @@ contains
                    'gears about their bores', values(:, 5))
     call table%add_words('status', of_status, status)
     call table%add('mesh_periods', '', of_periods, periods)
-    call table%add_index(axis('pair', '', 'which of so many pairs this is, from 1; 0 without an answer', pair))
+    call table%add_index(axis('pair', '', 'index of the pair, from 1; 0 without an answer', pair))
   end subroutine fill_paths
 
   !> Fills dynamic factor and other results of the motion at the chosen speeds.
@@ -247,7 +247,7 @@ contains
     associate (error => response%summary%error)
       call add_found('dte_mean_um', 'um', 'mean dynamic transmission error', (error%mean), found, table)
       call add_found('dte_rms_um', 'um', 'root mean square deviation from that', (error%rms), found, table)
-      call add_found('dte_peak_to_peak_um', 'um', 'largest less least dynamic transmission error', &
+      call add_found('dte_peak_to_peak_um', 'um', 'peak-to-peak dynamic transmission error', &
                      (error%largest - error%least), found, table)
     end associate
   end subroutine fill_points

@@ -194,7 +194,7 @@ contains
     s = values(:, 2)
     call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
     call table%add_index(axis('s', '', 'path coordinate of the pair, in base pitches from A; below 0 before A', s))
-    call table%add('pair_stiffness_n_um', 'N/um', 'stiffness of this pair, whole face width; what the dynamics take', &
+    call table%add('pair_stiffness_n_um', 'N/um', 'stiffness of this pair, whole face width, as in the motion', &
                    values(:, 3))
     call table%add('mesh_stiffness_n_um', 'N/um', 'of all pairs that carry load; of whole gears also their discs', values(:, 4))
     call table%add('profile_error_um', 'um', 'material missing at this point, both flanks together; beyond '// &
@@ -228,7 +228,7 @@ contains
     call table%over('static transmission error and load sharing over a mesh period, for each relief', error, &
                     axis('relief_um', 'um', of_relief, stages%amount))
     if (allocated(error)) return
-    call table%add('peak_to_peak_um', 'um', 'largest less least transmission error', [(ste(i)%peak_to_peak(), i=1, m)])
+    call table%add('peak_to_peak_um', 'um', 'peak-to-peak transmission error', [(ste(i)%peak_to_peak(), i=1, m)])
     call table%add('mean_um', 'um', 'mean transmission error', [ste%mean])
     call table%add('rms_um', 'um', 'root mean square deviation from the mean', [ste%rms])
     call table%add('error_estimate_um', 'um', 'estimated error of mean and amplitudes, without rounding errors', &

@@ -394,7 +394,7 @@ contains
     end if
     if (judge%by == by_factor) call table%add('largest_dynamic_factor', '', 'largest DF at that speed of all motions that are '// &
       'known: its own, and those that a start reaches; NaN where there is none', [largest])
-    call table%add('within_um', 'um', 'the true optimum lies so near', [curve%resolution])
+    call table%add('within_um', 'um', 'largest distance to the true optimum', [curve%resolution])
     if (judge%needs_motion()) call table%add('points_without_answer', '', 'speeds without an answer there; of all reliefs '// &
       'where no point has one', [failed])
     call table%add('ste_peak_to_peak_um', 'um', of_range//', over several torques as over_torques says', best(3:3))
@@ -486,8 +486,7 @@ contains
                    'prescribed mesh', diameter(1:1))
     call table%add('gear_start_diameter_mm', 'mm', 'the same of the gear', diameter(2:2))
     if (judge%needs_motion()) call add_value(judge, value(1:1), ' (over several torques as over_torques says)', table)
-    call table%add('within', '', 'within such a part of the ranges, up and down in each of these numbers, no better design '// &
-                   'was found', [optimum%within])
+    call table%add('within', '', 'no better design was found within this part of the ranges, up and down', [optimum%within])
     call table%add('designs_tried', '', 'designs tried', [optimum%tried])
     call table%add('ste_peak_to_peak_um', 'um', of_range//', over several torques as over_torques says', value(2:2))
     call table%add('mesh_harmonic_um', 'um', of_harmonic//', over several torques as over_torques says', value(3:3))

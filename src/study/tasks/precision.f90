@@ -463,8 +463,8 @@ contains
     call table%add_words('status', 'ok, or why there is no value, as in the table sweep', status)
     if (.not. are_references) call table%add_times('run_time_s', 'processor time of the calling thread, the shortest of '// &
       'several runs, with the error estimate where the method has one; it differs from run to run. Dynamic factor: one '// &
-      'speed, from the reference''s motion on, with the coefficients tabulated before. Harmonics and modes: all numbers '// &
-      'together. Elements: with making and factoring the grids', [list%seconds])
+      'speed, from the reference''s motion on, with the coefficients tabulated before. Harmonics and modes: all of '// &
+      'them together. Elements: with building and factoring the grids', [list%seconds])
   end subroutine fill
 
   !> Reports the error of each method at the first speed and relief, the resolution for some errors, and the run time of the finest

@@ -445,7 +445,7 @@ contains
     call both('reduced_mass_kg_mm', 'kg/mm', 'm_red of a unit of face width, from the effective masses of the case', of%mass)
     call both('resonance_rpm', '1/min', 'resonance running speed n_E1 of the pinion, ISO 6336-1, 6.5.3', &
               1/resonance_ratio(of, 1.0_dp))
-    call table%add('accuracy_grade', '', 'of ISO 1328-1; of stated deviations the finest that allows them, 13 for none', &
+    call table%add('accuracy_grade', '', 'of ISO 1328-1; with stated deviations the finest that allows both, 13 for none', &
                    [nominal%grade, nominal%grade])
     call both('pitch_deviation_um', 'um', 'f_pb after running in', of%pitch_deviation)
     call both('profile_deviation_um', 'um', 'f_f_alpha after running in', of%profile_deviation)

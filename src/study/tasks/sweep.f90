@@ -107,8 +107,8 @@ contains
     call table%add('residual', '', 'by how much the motion fails to repeat, in static deflections', [sweep%residual])
     call table%add('steps', '', 'steps in a mesh period', [sweep%steps])
     call table%add('mesh_periods', '', of_periods, [sweep%periods])
-    call table%add('branch_lost', '', 'with direction up, down or both, 1: the motion at the speed before led to none here, '// &
-                   'and this point was solved by itself; else 0', merge(1, 0, [sweep%branch_lost]))
+    call table%add('branch_lost', '', 'with direction up, down or both: 1 if the motion at the previous speed led to none '// &
+                   'here, else 0', merge(1, 0, [sweep%branch_lost]))
     call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
                    table%along(2, frequency_ratio(stages%motion(1), sweep%rpm)))
     call table%add('coast_factor', '', of_coast//'; NaN where there is no answer', [sweep%coast_factor])
