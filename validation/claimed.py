@@ -378,13 +378,6 @@ def bandwidths():
     return whole_source(path, r'scan = (\d+)') * whole_source(path, r'step = (0\.\d+)')
 
 
-def resolving():
-    """How many frequencies lie within the bandwidth of a mode, to both sides, and how far the others go, in bandwidths."""
-    text = (REFERENCE.parents[1] / 'src/elastic/modal_response.f90').read_text(encoding='utf-8')
-    places = [float(number) for number in re.findall(r'([\d.]+)_dp', re.search(r'one_side\(\*\) = \[([^]]*)\]', text)[1])]
-    return [2 * sum(place <= 0.5 for place in places), max(places)]
-
-
 def twice_power(angle, held=''):
     """Order in which frequencies converge at a corner: twice the power of the displacements."""
     return 2 * singular_power(angle, held)
@@ -502,14 +495,6 @@ def natural_radians(rpm):
     ratio, stiffness = get('mesh', 'contact_ratio'), 1e6 * get('mesh', 'coefficients')
     of_one, of_two = (math.sqrt(pairs * stiffness * sum(masses) / math.prod(masses)) for pairs in (1, 2))
     return 60 / (float(rpm) * get('pinion', 'teeth')) * ((2 - ratio) * of_one + (ratio - 1) * of_two)
-
-
-def pages_of_extremes():
-    """The slowest speed, 1/min, and the heaviest damping that test/properties/extreme/cases.txt has an answer for."""
-    text = (REFERENCE.parent / 'properties/extreme' / 'cases.txt').read_text(encoding='utf-8')
-    of = [[float(number) for number in re.findall(pattern, text, flags=re.MULTILINE)]
-          for pattern in (r'^[^|]*\| prescribed \| rpm = ([\d.e+-]*\d) \| df \| ok', r'damping_ratio = ([\d.e+-]*\d)[^|]*\| df \| ok')]
-    return [min(of[0]), max(of[1])]
 
 
 def unbounded():
@@ -862,16 +847,6 @@ def cut_digits():
     """First frequency of Hassan et al. in rad/s and what that is in Hz; alpha, beta and the time in engagement as printed."""
     omega = printed_of('hassan2009', 'mode_1_rad_s')
     return [omega, omega / (2 * math.pi), *(printed_of('hassan2009', row) for row in ('rayleigh_alpha', 'rayleigh_beta', 'contact_time'))]
-
-
-def drawn_rows():
-    """What tools/reference/motions/rows.py draws: contact ratio, damping ratio and the largest of lightly damped rows, frequencies, relief."""
-    text = (REFERENCE.parents[1] / 'tools/reference/motions/rows.py').read_text(encoding='utf-8')
-    ratio = re.search(r'ratio = draw\.uniform\(([\d.]+), ([\d.]+)\)', text).groups()
-    zeta = re.search(r'between\((\S+), (\S+) if light else ([\d.]+)\)', text).groups()
-    speed = re.search(r'mesh frequency ([\d.]+) to (\d+) natural', text).groups()
-    relief = re.search(r'relief = round\(draw\.uniform\(0, (\d)\)', text).groups()
-    return [*map(float, ratio), float(zeta[0]), float(zeta[2]), float(zeta[1]), *map(float, speed), float(relief[0])]
 
 
 def valley():

@@ -371,11 +371,3 @@ def mean_modulus():
         return _of(text + '&rating rpm = 3000 accuracy_grade = 5 contact_limit_mpa = 1500 root_limit_mpa = 800 /').rating_factors.single_stiffness_n_mm_um[0]
 
     return {'E1': 206, 'E2': 121}, [206 * stiffness(206, 121) / stiffness(206, 206)]
-
-
-def half_tooth_angle():
-    """Half the angle of a tooth at the base circle: its thickness at the reference circle, and the involute."""
-    study = _run("'geometry'", shift=0.3)
-    alpha = math.radians(20)
-    return ({'x': 0.3, 'alpha': alpha, 'z': 21},
-            [study.gears.reference_thickness_mm[0] / study.gears.reference_diameter_mm[0] + math.tan(alpha) - alpha])
