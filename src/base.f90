@@ -11,8 +11,6 @@ module gearsweep_base
   ! Errors as values.
   use gearsweep_base_error, only: code_file, code_input, code_memory, code_numerical, code_ok, code_partial, code_stopped, &
     code_usage, error_t, fail
-  ! Smooth curves as polynomials, and curves joined piece by piece.
-  use gearsweep_base_interpolation, only: interpolated, joined
   ! The working precision and the constants that follow from it.
   use gearsweep_base_kinds, only: dp, pi
   ! A text that grows in linear time.
@@ -21,7 +19,7 @@ module gearsweep_base
   use gearsweep_base_memory, only: bring_traps_back, claim_memory, has_memory, leader_traps, release_claim, set_traps_aside, &
     share_traps, team, wants_stop
   ! Piecewise polynomials.
-  use gearsweep_base_piecewise, only: constant, piecewise_t, polynomial, spline
+  use gearsweep_base_piecewise, only: constant, interpolated, joined, piecewise_t, polynomial, spline
   ! Gauss-Legendre quadrature.
   use gearsweep_base_quadrature, only: gauss_legendre
   ! The polynomial of fifth degree through value, first and second derivative at both ends of a step.
@@ -34,7 +32,7 @@ module gearsweep_base
   ! Numbers in ascending order, by LAPACK.
   use gearsweep_base_sorting, only: sorted
   ! Sparse symmetric positive definite matrices.
-  use gearsweep_base_sparse, only: factor, factor_inner, sparse_t
+  use gearsweep_base_sparse, only: elements_t, factor, factor_inner, sparse_t
   ! Interfaces to the operating system and to BLAS.
   use gearsweep_base_system, only: add_file, begin_files, begin_products, close_file, end_files, end_products, &
     hold_blas, make_folder_at, open_file, print_text, read_file, reason_of, release_blas, remove_folder_at, show_files, &

@@ -5,8 +5,8 @@ module gearsweep_mesh
   ! Deviations of real teeth as profile errors on the line of action.
   use gearsweep_mesh_deviations, only: common_divisor, deviations_t, interval_t, length_of_turn, make_deviations, wave_t
   ! Flank deviations of one gear by ISO 1328, stated or drawn from a class, and the profile errors that follow.
-  use gearsweep_mesh_flank_deviations, only: coast_out_of_place, draw_deviations, flank_deviations_t, frame_t, is_within, &
-    lay_deviations, make_frame, of_each, out_of_place, tooth_number
+  use gearsweep_mesh_flank_deviations, only: coast_pitch_position, draw_deviations, flank_deviations_t, frame_t, is_within, &
+    place_deviations, make_frame, per_tooth, pitch_position, tooth_number
   ! Harmonics of the static transmission error.
   use gearsweep_mesh_harmonics, only: find_harmonics, halvings_as_built, harmonics_t, static_range
   ! The gear mesh.

@@ -27,12 +27,10 @@ module gearsweep_rating
   use gearsweep_rating_root_life, only: by_gerber, by_goodman, by_iso, by_soderberg, curve_t, damage_of, root_history, root_life, &
     root_life_t, strength_t
   ! Root stress over the path of contact under the actual load of each pair.
-  use gearsweep_rating_root_rating, only: load_positions, load_radius, outer_point, rate_root, root_options_t, root_rating_t, &
-    shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path
-  ! Stress field of a section under one position of the load, for pictures of the root rating.
-  use gearsweep_rating_stress_field, only: find_stress_field, stress_field_t
+  use gearsweep_rating_root_rating, only: find_stress_field, load_positions, load_radius, outer_point, rate_root, root_options_t, &
+    root_rating_t, shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path, stress_field_t
   ! Stress and displacement at a tooth's fillets while the load passes over it, by modal superposition on two grids.
-  use gearsweep_rating_tooth_transient, only: damp_modes, damping_t, follow_tooth, look_t, tooth_transient_t
+  use gearsweep_rating_tooth_transient, only: damp_modes, damping_t, follow_tooth, sampling_t, tooth_transient_t
   implicit none
   public
 end module gearsweep_rating

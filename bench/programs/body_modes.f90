@@ -10,7 +10,7 @@ program body_modes
   use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_elastic_material, only: material_t
-  use gearsweep_body_modes_sector, only: blank_t, make_gear_sector, sector_t
+  use gearsweep_body_modes_sector, only: gear_blank_t, make_gear_sector, sector_t
   use gearsweep_body_modes_sector_modes, only: find_sector_modes, sector_mode_t, support_t
   implicit none
 
@@ -33,7 +33,7 @@ contains
     spec%bore_radius = 0.00635_dp
     call make_gear(spec, gear, error)
     call check(error)
-    call make_gear_sector(gear, blank_t(), across, sector, error)
+    call make_gear_sector(gear, gear_blank_t(), across, sector, error)
     call check(error)
   end subroutine make_sector
 

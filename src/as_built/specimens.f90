@@ -5,7 +5,7 @@ module gearsweep_as_built_specimens
   use gearsweep_base, only: begin_stream, code_input, code_memory, dp, error_t, fail, no_number, pi, random_stream_t, str, &
     wants_stop
   use gearsweep_gear, only: find_tolerances, pair_t, tolerances_t
-  use gearsweep_mesh, only: deviations_t, draw_deviations, flank_deviations_t, frame_t, is_within, lay_deviations, make_frame
+  use gearsweep_mesh, only: deviations_t, draw_deviations, flank_deviations_t, frame_t, is_within, place_deviations, make_frame
   use gearsweep_motion, only: each, find_turn, frequency_ratio, has_result, levels_t, make_oscillator, oscillator_t, &
     quick_motion_t, run_quickly, run_sweep, status_inexact, status_ok, status_stopped, sweep_options_t, sweep_t, turn_t
   use gearsweep_rating, only: root_history
@@ -13,7 +13,7 @@ module gearsweep_as_built_specimens
   use gearsweep_as_built_deviation_keys, only: deviations_choice_t
   implicit none
   private
-  public :: machine_t, draw_machines, run_exactly, deviating, sweep_each, follow_turn, unit_root_stress, run_mostly_quickly
+  public :: specimen_t, draw_specimens, deviating, sweep_each, follow_turn, unit_root_stress, run_specimens
 
   !> Place of a largest load.
   type :: tooth_t
@@ -26,14 +26,14 @@ module gearsweep_as_built_specimens
   end type tooth_t
 
   !> Specimen: two gears in one assembly of their teeth.
-  type :: machine_t
+  type :: specimen_t
     type(flank_deviations_t) :: flanks(2)
     type(deviations_t) :: deviations             !< deviations of the assembled gears
     logical :: is_within = .true.                !< true if the drawn gears are within their classes
     integer :: offset = 0                        !< number of teeth of the gear by which the assembly differs from the stated one
     type(sweep_t) :: sweep
     type(tooth_t), allocatable :: worst(:)       !< teeth of largest load; (relief)
-  end type machine_t
+  end type specimen_t
 
   !> Tolerance of the dynamic factors of the quick method.
   real(dp), parameter :: tolerance = 1e-3_dp
@@ -46,11 +46,11 @@ module gearsweep_as_built_specimens
 contains
 
   !> Draws all pairs of gears: (assembly, draw).
-  subroutine draw_machines(choice, stages, assemblies, machines, error)
+  subroutine draw_specimens(choice, stages, assemblies, specimens, error)
     type(deviations_choice_t), intent(in) :: choice
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: assemblies
-    type(machine_t), allocatable, intent(out) :: machines(:, :)
+    type(specimen_t), allocatable, intent(out) :: specimens(:, :)
     type(error_t), allocatable, intent(inout) :: error
     type(flank_deviations_t) :: flanks(2)
     type(random_stream_t) :: random(2)
@@ -63,36 +63,36 @@ contains
     else
       frame = make_frame(stages%motion(1)%mesh)
     end if
-    allocate (machines(assemblies, choice%draws))
+    allocate (specimens(assemblies, choice%draws))
     random = [(begin_stream(2*choice%seed + i), i=1, 2)]
     do draw = 1, choice%draws
       flanks = choice%flanks
       call draw_flanks(choice, stages, frame, random, flanks, within, error)
       if (allocated(error)) return
       do i = 1, assemblies
-        associate (mesh => stages%motion(1)%mesh, machine => machines(i, draw))
-          machine%flanks = flanks
-          machine%is_within = within
-          machine%offset = i - 1
-          machine%deviations = lay_deviations(flanks, frame, mesh%teeth, mesh%contact_ratio, i - 1)
+        associate (mesh => stages%motion(1)%mesh, specimen => specimens(i, draw))
+          specimen%flanks = flanks
+          specimen%is_within = within
+          specimen%offset = i - 1
+          specimen%deviations = place_deviations(flanks, frame, mesh%teeth, mesh%contact_ratio, i - 1)
         end associate
       end do
     end do
-  end subroutine draw_machines
+  end subroutine draw_specimens
 
   !> Computes all speeds and reliefs of a specimen, each to the tolerance, and its teeth of largest load.
-  subroutine run_exactly(stages, which, rpm, machine, error, unit_stress)
+  subroutine run_exactly(stages, which, rpm, specimen, error, unit_stress)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which(:)              !< reliefs of the case
     real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
-    type(machine_t), intent(inout) :: machine
+    type(specimen_t), intent(inout) :: specimen
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable, intent(in) :: unit_stress(:, :)   !< stresses of `unit_root_stress`; not allocated: not requested
     type(oscillator_t) :: osc(size(which))       ! (relief)
 
-    osc = deviating(stages%motion(which), machine%deviations, error)
-    call sweep_each(stages, osc, rpm, machine%sweep, error)
-    if (.not. allocated(error)) call find_worst(stages, osc, machine, error, unit_stress)
+    osc = deviating(stages%motion(which), specimen%deviations, error)
+    call sweep_each(stages, osc, rpm, specimen%sweep, error)
+    if (.not. allocated(error)) call find_worst(stages, osc, specimen, error, unit_stress)
   end subroutine run_exactly
 
   !> Draws the flanks of the gears with a tolerance class.
@@ -168,27 +168,27 @@ contains
   end subroutine sweep_each
 
   !> Finds the teeth that carry the largest load with each relief, and its place on their path.
-  subroutine find_worst(stages, osc, machine, error, unit_stress)
+  subroutine find_worst(stages, osc, specimen, error, unit_stress)
     type(stages_t), intent(in) :: stages
     type(oscillator_t), intent(in) :: osc(:)     ! (relief)
-    type(machine_t), intent(inout) :: machine
+    type(specimen_t), intent(inout) :: specimen
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable, intent(in) :: unit_stress(:, :)
     type(turn_t) :: turn
     integer :: i, k
 
-    allocate (machine%worst(size(osc)))
+    allocate (specimen%worst(size(osc)))
     do i = 1, size(osc)
-      associate (factor => machine%sweep%dynamic_factor(:, i), found => has_result(machine%sweep%status(:, i)))
+      associate (factor => specimen%sweep%dynamic_factor(:, i), found => has_result(specimen%sweep%status(:, i)))
         if (.not. any(found)) cycle
         k = maxloc(factor, 1, mask=found)
-        call follow_turn(osc(i), machine%sweep%rpm(k), stages, machine%sweep, i, turn, error, unit_stress)
+        call follow_turn(osc(i), specimen%sweep%rpm(k), stages, specimen%sweep, i, turn, error, unit_stress)
         if (allocated(error)) return
-        machine%worst(i) = tooth_t(machine%sweep%rpm(k), factor(k))
+        specimen%worst(i) = tooth_t(specimen%sweep%rpm(k), factor(k))
         if (.not. allocated(turn%load)) cycle
-        machine%worst(i)%pair = maxloc(turn%load, 1) - 1
-        machine%worst(i)%place = turn%place(machine%worst(i)%pair + 1)
-        if (allocated(turn%stress)) machine%worst(i)%stress = maxval(turn%stress, 2)
+        specimen%worst(i)%pair = maxloc(turn%load, 1) - 1
+        specimen%worst(i)%place = turn%place(specimen%worst(i)%pair + 1)
+        if (allocated(turn%stress)) specimen%worst(i)%stress = maxval(turn%stress, 2)
       end associate
     end do
   end subroutine find_worst
@@ -228,75 +228,71 @@ contains
     end do
   end function unit_root_stress
 
-  !> Computes all specimens. Returns early if the caller stops the run.
-  subroutine run_mostly_quickly(stages, which, rpm, machines, sample_error, error, unit_stress)
+  !> Computes all specimens, each to the tolerance or, with `quick`, a sample to the tolerance and the others by the quick method.
+  !> Returns early if the caller stops the run.
+  subroutine run_specimens(stages, which, rpm, quick, n, specimens, sample_error, error, unit_stress)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which(:)              !< reliefs of the case
     real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
-    type(machine_t), intent(inout) :: machines(:, :)       !< specimens as drawn; (assembly, draw)
+    logical, intent(in) :: quick
+    integer, intent(in) :: n                     !< number of specimens
+    type(specimen_t), intent(inout) :: specimens(n)  !< as drawn
     real(dp), intent(inout) :: sample_error(:)   !< largest difference of both methods' dynamic factors, NaN if none; (relief)
     real(dp), allocatable, intent(in) :: unit_stress(:, :)           !< as in `run_exactly`
     type(error_t), allocatable, intent(inout) :: error
     type(deviations_t), allocatable :: deviations(:)
     type(quick_motion_t), allocatable :: motions(:, :)     ! (speed, specimen)
     real(dp) :: sample_dte                       ! largest difference of both methods' transmission errors, m
-    logical :: alike(size(rpm)), in_sample(size(machines))
+    logical :: alike(size(rpm)), in_sample(n)
     real(dp) :: class_error(2)                   ! largest difference of motions whose flanks never all separate, and of the others
-    integer :: a, d, k, r
+    integer :: k, r
 
-    in_sample = sampled(size(machines))
-    do k = 1, size(machines)
+    ! The first specimen, and one in ten, ten at most.
+    in_sample = .not. quick
+    associate (sample => min(10, 1 + (n - 1)/10))
+      in_sample([(1 + k*(n - 1)/max(1, sample - 1), k=0, sample - 1)]) = .true.
+    end associate
+    do k = 1, n
       if (.not. in_sample(k)) cycle
       if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) return
-      call locate(k, a, d)
-      call run_exactly(stages, which, rpm, machines(a, d), error, unit_stress)
+      call run_exactly(stages, which, rpm, specimens(k), error, unit_stress)
     end do
-    if (allocated(error)) return
-    deviations = [((machines(a, d)%deviations, a=1, size(machines, 1)), d=1, size(machines, 2))]
-    allocate (motions(size(rpm), size(machines)))
+    if (allocated(error) .or. .not. quick) return
+    deviations = [(specimens(k)%deviations, k=1, n)]
+    allocate (motions(size(rpm), n))
     do r = 1, size(which)
       call run_quickly(stages%motion(which(r)), deviations, rpm, stages%running%threads, stages%accuracy%steady%stop, motions)
       if (wants_stop(stages%accuracy%steady%stop)) return
       call stages%running%tell(size(rpm)*count(.not. in_sample), stages%accuracy%steady%stop)
       sample_error(r) = -1
       class_error = -1
-      do k = 1, size(machines)
-        call locate(k, a, d)
+      do k = 1, n
         if (.not. in_sample(k)) cycle
         alike = motions(:, k)%is_found
-        sample_error(r) = max(sample_error(r), difference(motions(:, k), machines(a, d)%sweep, r, alike))
+        sample_error(r) = max(sample_error(r), difference(motions(:, k), specimens(k)%sweep, r, alike))
         ! If one method found more motions than the other, they do not show the error of one.
-        alike = motions(:, k)%motions == machines(a, d)%sweep%motions(:, r)
+        alike = motions(:, k)%motions == specimens(k)%sweep%motions(:, r)
         class_error(1) = max(class_error(1), &
-                             difference(motions(:, k), machines(a, d)%sweep, r, alike .and. .not. motions(:, k)%lost))
-        class_error(2) = max(class_error(2), difference(motions(:, k), machines(a, d)%sweep, r, alike .and. motions(:, k)%lost))
+                             difference(motions(:, k), specimens(k)%sweep, r, alike .and. .not. motions(:, k)%lost))
+        class_error(2) = max(class_error(2), difference(motions(:, k), specimens(k)%sweep, r, alike .and. motions(:, k)%lost))
       end do
       sample_dte = no_number()
       if (sample_error(r) < 0) then
         sample_error(r) = no_number()
       else
-        sample_dte = maxval([(dte_off(k), k=1, size(machines))])
+        sample_dte = maxval([(dte_off(k), k=1, n)])
         where (class_error < 0) class_error = sample_error(r)
         class_error = max(class_error, least_error)
       end if
-      do k = 1, size(machines)
+      do k = 1, n
         if (in_sample(k)) cycle
-        call locate(k, a, d)
-        if (r == 1) call allocate_results(size(rpm), size(which), machines(a, d))
-        call take(stages, which(r), rpm, motions(:, k), class_error, sample_dte, r, machines(a, d), error)
+        if (r == 1) call allocate_results(size(rpm), size(which), specimens(k))
+        call store_motions(stages, which(r), rpm, motions(:, k), class_error, sample_dte, r, specimens(k), error)
         if (allocated(error)) return
       end do
     end do
 
   contains
-
-    pure subroutine locate(k, a, d)
-      integer, intent(in) :: k
-      integer, intent(out) :: a, d
-
-      a = 1 + modulo(k - 1, size(machines, 1))
-      d = 1 + (k - 1)/size(machines, 1)
-    end subroutine locate
 
     !> Largest difference of the selected motions; below 0 if none of them is known by both methods.
     pure real(dp) function difference(found, sweep, relief, counts)
@@ -314,18 +310,16 @@ contains
     pure real(dp) function dte_off(k) result(off)
       integer, intent(in) :: k
       logical :: known(size(rpm))
-      integer :: assembly, drawn
 
       off = 0
       if (.not. in_sample(k)) return
-      call locate(k, assembly, drawn)
-      associate (found => motions(:, k), sweep => machines(assembly, drawn)%sweep)
+      associate (found => motions(:, k), sweep => specimens(k)%sweep)
         known = found%is_found .and. has_result(sweep%status(:, r))
         off = max(0.0_dp, maxval(abs(found%largest - found%least - sweep%dte_range(:, r)), mask=known), &
                   maxval(abs(rms_of(found) - sweep%dte_rms(:, r)), mask=known))
       end associate
     end function dte_off
-  end subroutine run_mostly_quickly
+  end subroutine run_specimens
 
   !> Root mean square of the transmission error about its mean, m.
   elemental real(dp) function rms_of(motion) result(rms)
@@ -334,23 +328,11 @@ contains
     rms = sqrt(max(0.0_dp, motion%sums(2) - motion%sums(1)**2))
   end function rms_of
 
-  !> Marks the specimens computed by both methods: the first, and one in ten, ten at most.
-  pure function sampled(machines) result(in_sample)
-    integer, intent(in) :: machines
-    logical :: in_sample(machines)
-    integer :: i
-
-    in_sample = .false.
-    associate (n => min(10, 1 + (machines - 1)/10))
-      in_sample([(1 + i*(machines - 1)/max(1, n - 1), i=0, n - 1)]) = .true.
-    end associate
-  end function sampled
-
-  pure subroutine allocate_results(speeds, reliefs, machine)
+  pure subroutine allocate_results(speeds, reliefs, specimen)
     integer, intent(in) :: speeds, reliefs
-    type(machine_t), intent(inout) :: machine
+    type(specimen_t), intent(inout) :: specimen
 
-    associate (sweep => machine%sweep)
+    associate (sweep => specimen%sweep)
       allocate (sweep%rpm(speeds))
       allocate (sweep%dynamic_factor(speeds, reliefs), sweep%estimate(speeds, reliefs), sweep%dte_rms(speeds, reliefs), &
                 sweep%dte_range(speeds, reliefs), sweep%dte_estimate(speeds, reliefs), sweep%coast_factor(speeds, reliefs), &
@@ -360,12 +342,12 @@ contains
       allocate (sweep%periods(speeds, reliefs), source=1)
       allocate (sweep%motions(speeds, reliefs), sweep%seen_periods(speeds, reliefs), source=0)
       allocate (sweep%state(2, speeds, reliefs), source=0.0_dp)
-      allocate (machine%worst(reliefs))
+      allocate (specimen%worst(reliefs))
     end associate
   end subroutine allocate_results
 
   !> Stores the motions of a specimen, and computes those that the quick method did not find to the tolerance.
-  subroutine take(stages, which, rpm, motions, class_error, sample_dte, relief, machine, error)
+  subroutine store_motions(stages, which, rpm, motions, class_error, sample_dte, relief, specimen, error)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which                 ! index of the relief in the case
     real(dp), intent(in) :: rpm(:)
@@ -373,14 +355,14 @@ contains
     real(dp), intent(in) :: class_error(2)  ! error of motions whose flanks never all separate, and of the others; -1: not known
     real(dp), intent(in) :: sample_dte           ! error of the transmission error, m
     integer, intent(in) :: relief
-    type(machine_t), intent(inout) :: machine
+    type(specimen_t), intent(inout) :: specimen
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: turning(size(rpm))               ! natural motion over a mesh period, rad
     logical :: is_known                          ! true if the sample has an error
     integer :: k
 
     is_known = all(class_error >= 0)
-    associate (sweep => machine%sweep, load => stages%motion(which)%load)
+    associate (sweep => specimen%sweep, load => stages%motion(which)%load)
       sweep%rpm = rpm
       turning = 2*pi/frequency_ratio(stages%motion(which), rpm)
       where (motions%is_found)
@@ -399,54 +381,54 @@ contains
       else
         where (motions%is_found) sweep%estimate(:, relief) = no_number()
       end if
-      if (.not. all(motions%is_found)) call solve_rest(stages, which, rpm, motions, relief, machine, error)
+      if (.not. all(motions%is_found)) call solve_remaining(stages, which, rpm, motions, relief, specimen, error)
       if (allocated(error) .or. .not. any(has_result(sweep%status(:, relief)))) return
       k = maxloc(sweep%dynamic_factor(:, relief), 1, mask=has_result(sweep%status(:, relief)))
-      machine%worst(relief) = tooth_t(rpm(k), sweep%dynamic_factor(k, relief), motions(k)%pair, motions(k)%place)
-      if (.not. motions(k)%is_found) machine%worst(relief)%pair = -1
+      specimen%worst(relief) = tooth_t(rpm(k), sweep%dynamic_factor(k, relief), motions(k)%pair, motions(k)%place)
+      if (.not. motions(k)%is_found) specimen%worst(relief)%pair = -1
     end associate
-  end subroutine take
+  end subroutine store_motions
 
   !> Computes the speeds that the quick method did not solve.
-  subroutine solve_rest(stages, which, rpm, motions, relief, machine, error)
+  subroutine solve_remaining(stages, which, rpm, motions, relief, specimen, error)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which, relief
     real(dp), intent(in) :: rpm(:)
     type(quick_motion_t), intent(in) :: motions(:)         ! (speed)
-    type(machine_t), intent(inout) :: machine
+    type(specimen_t), intent(inout) :: specimen
     type(error_t), allocatable, intent(inout) :: error
     type(error_t), allocatable :: refused
     type(sweep_options_t) :: options
     type(sweep_t) :: found
-    integer, allocatable :: left(:)
+    integer, allocatable :: unsolved(:)
     integer :: i
 
-    left = pack([(i, i=1, size(rpm))], .not. motions%is_found)
+    unsolved = pack([(i, i=1, size(rpm))], .not. motions%is_found)
     options = stages%sweep_options()
     options%direction = each
     options%largest = .true.
     options%is_counted = .false.
-    call run_sweep(deviating(stages%motion([which]), machine%deviations, error), rpm(left), options, found, refused)
+    call run_sweep(deviating(stages%motion([which]), specimen%deviations, error), rpm(unsolved), options, found, refused)
     if (allocated(refused)) then
       call fail(error, refused%code, refused%message)
       return
     end if
-    associate (sweep => machine%sweep)
-      sweep%dynamic_factor(left, relief) = found%dynamic_factor(:, 1)
-      sweep%estimate(left, relief) = found%estimate(:, 1)
-      sweep%dte_rms(left, relief) = found%dte_rms(:, 1)
-      sweep%dte_range(left, relief) = found%dte_range(:, 1)
-      sweep%dte_estimate(left, relief) = found%dte_estimate(:, 1)
-      sweep%coast_factor(left, relief) = found%coast_factor(:, 1)
-      sweep%mesh_multiplier(left, relief) = found%mesh_multiplier(:, 1)
-      sweep%status(left, relief) = found%status(:, 1)
-      sweep%periods(left, relief) = found%periods(:, 1)
-      sweep%motions(left, relief) = found%motions(:, 1)
-      sweep%seen_factor(left, relief) = found%seen_factor(:, 1)
-      sweep%seen_dte_rms(left, relief) = found%seen_dte_rms(:, 1)
-      sweep%seen_dte_range(left, relief) = found%seen_dte_range(:, 1)
-      sweep%seen_periods(left, relief) = found%seen_periods(:, 1)
-      sweep%state(:, left, relief) = found%state(:, :, 1)
+    associate (sweep => specimen%sweep)
+      sweep%dynamic_factor(unsolved, relief) = found%dynamic_factor(:, 1)
+      sweep%estimate(unsolved, relief) = found%estimate(:, 1)
+      sweep%dte_rms(unsolved, relief) = found%dte_rms(:, 1)
+      sweep%dte_range(unsolved, relief) = found%dte_range(:, 1)
+      sweep%dte_estimate(unsolved, relief) = found%dte_estimate(:, 1)
+      sweep%coast_factor(unsolved, relief) = found%coast_factor(:, 1)
+      sweep%mesh_multiplier(unsolved, relief) = found%mesh_multiplier(:, 1)
+      sweep%status(unsolved, relief) = found%status(:, 1)
+      sweep%periods(unsolved, relief) = found%periods(:, 1)
+      sweep%motions(unsolved, relief) = found%motions(:, 1)
+      sweep%seen_factor(unsolved, relief) = found%seen_factor(:, 1)
+      sweep%seen_dte_rms(unsolved, relief) = found%seen_dte_rms(:, 1)
+      sweep%seen_dte_range(unsolved, relief) = found%seen_dte_range(:, 1)
+      sweep%seen_periods(unsolved, relief) = found%seen_periods(:, 1)
+      sweep%state(:, unsolved, relief) = found%state(:, :, 1)
     end associate
-  end subroutine solve_rest
+  end subroutine solve_remaining
 end module gearsweep_as_built_specimens

@@ -8,13 +8,13 @@ module gearsweep_as_built_tables
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_base, only: axis, dp, error_t, fixed, lines_t, no_number, pi, right, sorted, str, table_t, wants_stop
   use gearsweep_gear, only: find_tolerances, pair_t, tolerances_t
-  use gearsweep_mesh, only: coast_out_of_place, find_harmonics, flank_deviations_t, halvings_as_built, harmonics_t, mesh_t, &
-    of_each, out_of_place, share_load, sharing_t, static_range, tooth_number, wave_t
+  use gearsweep_mesh, only: coast_pitch_position, find_harmonics, flank_deviations_t, halvings_as_built, harmonics_t, mesh_t, &
+    per_tooth, pitch_position, share_load, sharing_t, static_range, tooth_number, wave_t
   use gearsweep_motion, only: find_spectrum, has_result, length_of, oscillator_t, spectrum_t, sweep_t, turn_t
   use gearsweep_rating, only: flank_contact, surfaces_t
   use gearsweep_study, only: add_seen, known_count, gear_names, of_coast, of_dte_estimate, of_estimate, of_factor, of_motions, &
     of_periods, of_relief, of_speed, of_status, stages_t, status_length, words_of
-  use gearsweep_as_built_specimens, only: deviating, follow_turn, machine_t
+  use gearsweep_as_built_specimens, only: deviating, follow_turn, specimen_t
   implicit none
   private
   public :: fill_tolerances, fill_points, fill_worst, fill_summary, fill_teeth, fill_loads, fill_turn, fill_orders, &
@@ -84,79 +84,79 @@ contains
   end subroutine fill_tolerances
 
   !> Fills all operating points.
-  subroutine fill_points(amount, nominal, machines, table, error)
+  subroutine fill_points(amount, nominal, specimens, table, error)
     real(dp), intent(in) :: amount(:)            ! m; (relief)
     type(sweep_t), intent(in) :: nominal
-    type(machine_t), intent(in) :: machines(:, :)          ! (assembly, draw)
+    type(specimen_t), intent(in) :: specimens(:, :)          ! (assembly, draw)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     integer, allocatable :: status(:), periods(:)
     integer :: a, d, r, i, k, m, n
 
-    m = size(machines, 1)
-    n = size(machines, 2)
+    m = size(specimens, 1)
+    n = size(specimens, 2)
     k = size(amount)
     call table%over('dynamic factor of gears as built, over speed, relief, gears and assembly', error, &
-                    axis('relief_um', 'um', of_relief, amount), axis('draw', '', of_draw, [(i, i=1, size(machines, 2))]), &
-                    axis('assembly', '', of_assembly, [(i, i=1, size(machines, 1))]), axis('rpm', '1/min', of_speed, nominal%rpm))
+                    axis('relief_um', 'um', of_relief, amount), axis('draw', '', of_draw, [(i, i=1, size(specimens, 2))]), &
+                    axis('assembly', '', of_assembly, [(i, i=1, size(specimens, 1))]), axis('rpm', '1/min', of_speed, nominal%rpm))
     if (allocated(error)) return
-    call table%add('dynamic_factor', '', of_factor, [(((machines(a, d)%sweep%dynamic_factor(:, r), a=1, m), d=1, n), r=1, k)])
-    call table%add('error_estimate', '', of_estimate, [(((machines(a, d)%sweep%estimate(:, r), a=1, m), d=1, n), r=1, k)])
-    status = [(((machines(a, d)%sweep%status(:, r), a=1, m), d=1, n), r=1, k)]
+    call table%add('dynamic_factor', '', of_factor, [(((specimens(a, d)%sweep%dynamic_factor(:, r), a=1, m), d=1, n), r=1, k)])
+    call table%add('error_estimate', '', of_estimate, [(((specimens(a, d)%sweep%estimate(:, r), a=1, m), d=1, n), r=1, k)])
+    status = [(((specimens(a, d)%sweep%status(:, r), a=1, m), d=1, n), r=1, k)]
     call table%add_words('status', of_status, words_of(status))
     call table%add('coast_factor', '', of_coast//'; NaN where there is no answer', &
-                   [(((machines(a, d)%sweep%coast_factor(:, r), a=1, m), d=1, n), r=1, k)])
+                   [(((specimens(a, d)%sweep%coast_factor(:, r), a=1, m), d=1, n), r=1, k)])
     call table%add('nominal_factor', '', 'dynamic factor of gears without deviations; NaN where there is no answer', &
                    [(((nominal%dynamic_factor(:, r), a=1, m), d=1, n), r=1, k)])
     call table%add('dte_rms_um', 'um', 'root mean square deviation of the dynamic transmission error from its mean', &
-                   [(((machines(a, d)%sweep%dte_rms(:, r), a=1, m), d=1, n), r=1, k)])
+                   [(((specimens(a, d)%sweep%dte_rms(:, r), a=1, m), d=1, n), r=1, k)])
     call table%add('dte_peak_to_peak_um', 'um', 'peak-to-peak dynamic transmission error', &
-                   [(((machines(a, d)%sweep%dte_range(:, r), a=1, m), d=1, n), r=1, k)])
+                   [(((specimens(a, d)%sweep%dte_range(:, r), a=1, m), d=1, n), r=1, k)])
     call table%add('dte_error_estimate_um', 'um', of_dte_estimate, &
-                   [(((machines(a, d)%sweep%dte_estimate(:, r), a=1, m), d=1, n), r=1, k)])
+                   [(((specimens(a, d)%sweep%dte_estimate(:, r), a=1, m), d=1, n), r=1, k)])
     call table%add('nominal_dte_peak_to_peak_um', 'um', 'the same of gears without deviations', &
                    [(((nominal%dte_range(:, r), a=1, m), d=1, n), r=1, k)])
-    periods = machines(1, 1)%deviations%periods*[(((machines(a, d)%sweep%periods(:, r), a=1, m), d=1, n), r=1, k)]
+    periods = specimens(1, 1)%deviations%periods*[(((specimens(a, d)%sweep%periods(:, r), a=1, m), d=1, n), r=1, k)]
     call table%add('mesh_periods', '', of_periods, periods)
     call table%add('multiplier', '', 'largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion '// &
                    'repels; NaN where it is not known', &
-                   [(((machines(a, d)%sweep%mesh_multiplier(:, r), a=1, m), d=1, n), r=1, k)])
-    call table%add('motions', '', of_motions, known_count([(((machines(a, d)%sweep%motions(:, r), a=1, m), d=1, n), r=1, k)]))
-    call add_seen([(((machines(a, d)%sweep%seen_factor(:, r), a=1, m), d=1, n), r=1, k)], &
-                  [(((machines(a, d)%sweep%seen_dte_rms(:, r), a=1, m), d=1, n), r=1, k)], &
-                  [(((machines(a, d)%sweep%seen_dte_range(:, r), a=1, m), d=1, n), r=1, k)], &
-                  [(((machines(a, d)%sweep%seen_periods(:, r), a=1, m), d=1, n), r=1, k)], table)
+                   [(((specimens(a, d)%sweep%mesh_multiplier(:, r), a=1, m), d=1, n), r=1, k)])
+    call table%add('motions', '', of_motions, known_count([(((specimens(a, d)%sweep%motions(:, r), a=1, m), d=1, n), r=1, k)]))
+    call add_seen([(((specimens(a, d)%sweep%seen_factor(:, r), a=1, m), d=1, n), r=1, k)], &
+                  [(((specimens(a, d)%sweep%seen_dte_rms(:, r), a=1, m), d=1, n), r=1, k)], &
+                  [(((specimens(a, d)%sweep%seen_dte_range(:, r), a=1, m), d=1, n), r=1, k)], &
+                  [(((specimens(a, d)%sweep%seen_periods(:, r), a=1, m), d=1, n), r=1, k)], table)
   end subroutine fill_points
 
   !> Fills the largest dynamic factors over the speeds, and the teeth that carry them.
-  subroutine fill_worst(teeth, amount, nominal, machines, table, error)
+  subroutine fill_worst(teeth, amount, nominal, specimens, table, error)
     integer, intent(in) :: teeth(2)
     real(dp), intent(in) :: amount(:)            ! m; (relief)
     type(sweep_t), intent(in) :: nominal
-    type(machine_t), intent(in) :: machines(:, :)          ! (assembly, draw)
+    type(specimen_t), intent(in) :: specimens(:, :)          ! (assembly, draw)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :)
     integer :: a, d, r, i, row
 
     call table%over('largest dynamic factor over the speeds of gears as built, and the teeth that carry it', error, &
-                    axis('relief_um', 'um', of_relief, amount), axis('draw', '', of_draw, [(i, i=1, size(machines, 2))]), &
-                    axis('assembly', '', of_assembly, [(i, i=1, size(machines, 1))]))
+                    axis('relief_um', 'um', of_relief, amount), axis('draw', '', of_draw, [(i, i=1, size(specimens, 2))]), &
+                    axis('assembly', '', of_assembly, [(i, i=1, size(specimens, 1))]))
     if (allocated(error)) return
     allocate (values(table%rows, 7), source=no_number())
     row = 0
     do r = 1, size(amount)
-      do d = 1, size(machines, 2)
-        do a = 1, size(machines, 1)
+      do d = 1, size(specimens, 2)
+        do a = 1, size(specimens, 1)
           row = row + 1
           values(row, 1) = largest_factor(nominal, r)
-          associate (machine => machines(a, d), worst => machines(a, d)%worst(r))
-            values(row, 7) = tooth_number(machine%flanks(2), teeth(2), machine%offset)
+          associate (specimen => specimens(a, d), worst => specimens(a, d)%worst(r))
+            values(row, 7) = tooth_number(specimen%flanks(2), teeth(2), specimen%offset)
             if (.not. worst%rpm > 0) cycle
             values(row, 2:3) = [worst%dynamic_factor, worst%rpm]
             if (worst%pair < 0) cycle
-            values(row, 4) = tooth_number(machine%flanks(1), teeth(1), worst%pair)
-            values(row, 5) = tooth_number(machine%flanks(2), teeth(2), worst%pair + machine%offset)
+            values(row, 4) = tooth_number(specimen%flanks(1), teeth(1), worst%pair)
+            values(row, 5) = tooth_number(specimen%flanks(2), teeth(2), worst%pair + specimen%offset)
             values(row, 6) = worst%place
           end associate
         end do
@@ -174,10 +174,10 @@ contains
   end subroutine fill_worst
 
   !> Fills, for each relief, the distribution of the largest dynamic factors over all gears and assemblies.
-  subroutine fill_summary(amount, nominal, machines, class, sample_error, table, error)
+  subroutine fill_summary(amount, nominal, specimens, class, sample_error, table, error)
     real(dp), intent(in) :: amount(:)            ! m; (relief)
     type(sweep_t), intent(in) :: nominal
-    type(machine_t), intent(in) :: machines(:, :)          ! (assembly, draw)
+    type(specimen_t), intent(in) :: specimens(:, :)          ! (assembly, draw)
     integer, intent(in) :: class(2)              ! tolerance classes of pinion and gear; 0: none
     real(dp), intent(in) :: sample_error(:)      ! (relief)
     type(table_t), intent(inout) :: table
@@ -192,13 +192,13 @@ contains
     allocate (values(size(amount), 10), source=no_number())
     do r = 1, size(amount)
       values(r, 1) = largest_factor(nominal, r)
-      factor = [((machines(a, d)%worst(r)%dynamic_factor, a=1, size(machines, 1)), d=1, size(machines, 2))]
-      rpm = [((machines(a, d)%worst(r)%rpm, a=1, size(machines, 1)), d=1, size(machines, 2))]
+      factor = [((specimens(a, d)%worst(r)%dynamic_factor, a=1, size(specimens, 1)), d=1, size(specimens, 2))]
+      rpm = [((specimens(a, d)%worst(r)%rpm, a=1, size(specimens, 1)), d=1, size(specimens, 2))]
       if (.not. any(rpm > 0)) cycle
       do k = 1, 2
         i = merge(maxloc(factor, 1, mask=rpm > 0), minloc(factor, 1, mask=rpm > 0), k == 1)
         if (k == 1) values(r, 6) = rpm(i)
-        values(r, 5 + 2*k:6 + 2*k) = [1 + (i - 1)/size(machines, 1), 1 + modulo(i - 1, size(machines, 1))]
+        values(r, 5 + 2*k:6 + 2*k) = [1 + (i - 1)/size(specimens, 1), 1 + modulo(i - 1, size(specimens, 1))]
       end do
       factor = pack(factor, rpm > 0)
       values(r, 2:5) = [minval(factor), quantile(factor, 0.5_dp), quantile(factor, 0.95_dp), maxval(factor)]
@@ -215,12 +215,12 @@ contains
     call table%add('best_assembly', '', 'assembly of these with the least', values(:, 10))
     call table%add('sample_error', '', 'with `quick`, by how much the dynamic factors that were computed both ways differ '// &
                    'at most; else NaN, and where there are none', sample_error)
-    within = count(machines(1, :)%is_within)/real(size(machines, 2), dp)
+    within = count(specimens(1, :)%is_within)/real(size(specimens, 2), dp)
     if (.not. any(class > 0)) within = no_number()
     call table%add('within_class', '', 'part of the pairs whose drawn gears are within their classes in f_p, F_p, f_Halpha '// &
                    'and F_r; NaN where none is drawn', spread(within, 1, size(amount)))
-    call table%add('draws', '', 'pairs of gears that were drawn', spread(size(machines, 2), 1, size(amount)))
-    call table%add('assemblies', '', 'assemblies of each', spread(size(machines, 1), 1, size(amount)))
+    call table%add('draws', '', 'pairs of gears that were drawn', spread(size(specimens, 2), 1, size(amount)))
+    call table%add('assemblies', '', 'assemblies of each', spread(size(specimens, 1), 1, size(amount)))
   end subroutine fill_summary
 
   !> Largest dynamic factor over the speeds; NaN if none converged.
@@ -262,12 +262,12 @@ contains
     row = 0
     do i = 1, 2
       associate (own => flanks(i), new => values(row + 1:row + teeth(i), :))
-        new(:, 2) = out_of_place(own, teeth(i))
+        new(:, 2) = pitch_position(own, teeth(i))
         new(:, 1) = new(:, 2) - cshift(new(:, 2), -1)
         if (allocated(own%single_pitch)) new(:, 1) = own%single_pitch
-        new(:, 7) = coast_out_of_place(own, teeth(i))
-        new(:, 3) = of_each(own%slope, teeth(i))
-        new(:, 4) = of_each(own%form, teeth(i))
+        new(:, 7) = coast_pitch_position(own, teeth(i))
+        new(:, 3) = per_tooth(own%slope, teeth(i))
+        new(:, 4) = per_tooth(own%form, teeth(i))
         if (allocated(own%measured)) new(:, 3:4) = no_number()
         new(:, 5) = own%runout
         new(:, 6) = own%runout_phase
@@ -287,11 +287,11 @@ contains
   end subroutine fill_teeth
 
   !> Fills the largest load of each pair of teeth over the revolution.
-  subroutine fill_loads(stages, amount, turns, machine, table, error)
+  subroutine fill_loads(stages, amount, turns, specimen, table, error)
     type(stages_t), intent(in) :: stages
     real(dp), intent(in) :: amount(:)            ! m; (relief)
     type(turn_t), intent(in) :: turns(:, :)      ! (speed, relief)
-    type(machine_t), intent(in) :: machine
+    type(specimen_t), intent(in) :: specimen
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :), stress(:, :)
@@ -308,8 +308,8 @@ contains
         do n = 1, length_of(turns(k, i)%load)
           row = row + 1
           values(row, :) = [amount(i), turns(k, i)%rpm, real(n, dp), &
-                            real(tooth_number(machine%flanks(1), teeth(1), n - 1), dp), &
-                            real(tooth_number(machine%flanks(2), teeth(2), n - 1 + machine%offset), dp), &
+                            real(tooth_number(specimen%flanks(1), teeth(1), n - 1), dp), &
+                            real(tooth_number(specimen%flanks(2), teeth(2), n - 1 + specimen%offset), dp), &
                             turns(k, i)%load(n), turns(k, i)%place(n)]
           if (allocated(turns(k, i)%stress)) stress(:, row) = turns(k, i)%stress(:, n)
         end do
@@ -408,14 +408,14 @@ contains
       allocate (values(table%rows, 8), source=no_number())
       row = 0
       do i = 1, size(osc)
-        at_rest = orders_at_rest(osc(i), mesh_orders, orders)
+        at_rest = static_orders(osc(i), mesh_orders, orders)
         do k = 1, size(turns, 1)
           associate (new => values(row + 1:row + n, :), turn => turns(k, i))
             new(:, 1) = amount(i)
             new(:, 2) = turn%rpm
             new(:, 3) = orders%cycles
             new(:, 4) = orders%cycles*turn%rpm/60
-            if (allocated(turn%left)) new(:, 5:6) = orders_moving(turn, teeth, mesh_orders, orders)
+            if (allocated(turn%left)) new(:, 5:6) = dynamic_orders(turn, teeth, mesh_orders, orders)
             new(:, 7:8) = at_rest
           end associate
           row = row + n
@@ -458,14 +458,14 @@ contains
     allocate (values(size(orders), size(turns)), source=no_number())
     do k = 1, size(turns)
       if (.not. allocated(turns(k)%left)) cycle
-      moving = orders_moving(turns(k), teeth, mesh_orders, orders)
+      moving = dynamic_orders(turns(k), teeth, mesh_orders, orders)
       values(:, k) = moving(:, 1)
     end do
     call table%add('dte_amplitude_um', 'um', of_amplitude, [values])
   end subroutine fill_waterfall
 
   !> Amplitude (m) and phase (rad) of the orders of a motion; (order, 2).
-  pure function orders_moving(turn, teeth, mesh_orders, orders) result(values)
+  pure function dynamic_orders(turn, teeth, mesh_orders, orders) result(values)
     type(turn_t), intent(in) :: turn             ! converged motion
     integer, intent(in) :: teeth(2), mesh_orders
     type(order_t), intent(in) :: orders(:)
@@ -477,12 +477,12 @@ contains
     do i = 1, 2
       if (.not. any(orders%gear == i)) cycle
       call find_spectrum(turn%left, turn%width, turn%error, mesh_orders*teeth(i), spectrum, base=1.0_dp/teeth(i))
-      call take_orders(orders, i, size(turn%load), teeth, spectrum%amplitude, spectrum%phase, values)
+      call select_orders(orders, i, size(turn%load), teeth, spectrum%amplitude, spectrum%phase, values)
     end do
-  end function orders_moving
+  end function dynamic_orders
 
   !> Amplitude (m) and phase (rad) of the static orders; (order, 2).
-  pure function orders_at_rest(osc, mesh_orders, orders) result(values)
+  pure function static_orders(osc, mesh_orders, orders) result(values)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: mesh_orders
     type(order_t), intent(in) :: orders(:)
@@ -495,13 +495,13 @@ contains
       do i = 1, 2
         if (.not. any(orders%gear == i)) cycle
         call find_harmonics(osc%mesh, osc%load, mesh_orders*teeth(i), harmonics, halvings_as_built, base=1.0_dp/teeth(i))
-        call take_orders(orders, i, osc%mesh%deviations%periods, teeth, harmonics%amplitude, harmonics%phase, values)
+        call select_orders(orders, i, osc%mesh%deviations%periods, teeth, harmonics%amplitude, harmonics%phase, values)
       end do
     end associate
-  end function orders_at_rest
+  end function static_orders
 
   !> Selects the orders of one gear from its harmonics, those with whole cycles over the motion's period.
-  pure subroutine take_orders(orders, gear, periods, teeth, amplitude, phase, values)
+  pure subroutine select_orders(orders, gear, periods, teeth, amplitude, phase, values)
     type(order_t), intent(in) :: orders(:)
     integer, intent(in) :: gear, periods, teeth(2)
     real(dp), intent(in) :: amplitude(:), phase(:)         ! (cycles per revolution of the gear)
@@ -509,18 +509,11 @@ contains
     integer :: i
 
     do i = 1, size(orders)
-      if (orders(i)%gear == gear .and. is_whole(orders(i), periods, teeth)) &
-        values(i, :) = [amplitude(orders(i)%number), phase(orders(i)%number)]
+      if (orders(i)%gear /= gear) cycle
+      if (modulo(int(orders(i)%number, int64)*periods, int(teeth(gear), int64)) /= 0) cycle
+      values(i, :) = [amplitude(orders(i)%number), phase(orders(i)%number)]
     end do
-  end subroutine take_orders
-
-  !> True if an order has whole cycles over so many mesh periods. A motion with that period has no others.
-  pure logical function is_whole(order, periods, teeth)
-    type(order_t), intent(in) :: order
-    integer, intent(in) :: periods, teeth(2)
-
-    is_whole = modulo(int(order%number, int64)*periods, int(teeth(order%gear), int64)) == 0
-  end function is_whole
+  end subroutine select_orders
 
   !> Lists the orders of both gears up to so many mesh orders, ascending. An order of both gears is listed for the pinion.
   pure function list_orders(teeth, mesh_orders) result(orders)
@@ -583,11 +576,11 @@ contains
   end function name_of
 
   !> Computes the extremes of all specimens. Returns early if the caller stops the run.
-  subroutine find_extremes(stages, which, nominal, machines, with_ste, harmonic, unit_stress, found, error)
+  subroutine find_extremes(stages, which, nominal, specimens, with_ste, harmonic, unit_stress, found, error)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which(:)              !< reliefs of the case
     type(sweep_t), intent(in) :: nominal
-    type(machine_t), intent(in) :: machines(:, :)          !< specimens with their sweeps; (assembly, draw)
+    type(specimen_t), intent(in) :: specimens(:, :)          !< specimens with their sweeps; (assembly, draw)
     logical, intent(in) :: with_ste
     integer, intent(in) :: harmonic              !< mesh harmonic of the static transmission error; 0: not requested
     real(dp), allocatable, intent(in) :: unit_stress(:, :)           !< stresses of `unit_root_stress`; not allocated: not requested
@@ -596,30 +589,30 @@ contains
     type(mesh_t) :: mesh
     integer :: a, d, i, k
 
-    if (with_ste) allocate (found%ste(0:size(machines), size(which)), source=no_number())
-    if (harmonic > 0) allocate (found%amplitude(0:size(machines), size(which)), source=no_number())
-    if (allocated(unit_stress)) allocate (found%stress(0:size(machines), size(which), 2), source=no_number())
+    if (with_ste) allocate (found%ste(0:size(specimens), size(which)), source=no_number())
+    if (harmonic > 0) allocate (found%amplitude(0:size(specimens), size(which)), source=no_number())
+    if (allocated(unit_stress)) allocate (found%stress(0:size(specimens), size(which), 2), source=no_number())
     do i = 1, size(which)
       associate (motion => stages%motion(which(i):which(i)), answered => has_result(nominal%status(:, i)))
         call find_static(motion(1)%mesh, 0)
         if (allocated(unit_stress) .and. any(answered)) &
           call find_stress(motion, nominal%rpm(maxloc(nominal%dynamic_factor(:, i), 1, mask=answered)), nominal, 0)
         k = 0
-        do d = 1, size(machines, 2)
-          do a = 1, size(machines, 1)
+        do d = 1, size(specimens, 2)
+          do a = 1, size(specimens, 1)
             if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) return
             k = k + 1
             if (with_ste .or. harmonic > 0) then
               mesh = motion(1)%mesh
-              mesh%deviations = machines(a, d)%deviations
+              mesh%deviations = specimens(a, d)%deviations
               call find_static(mesh, k)
             end if
             if (.not. allocated(unit_stress)) cycle
-            associate (worst => machines(a, d)%worst(i))
+            associate (worst => specimens(a, d)%worst(i))
               if (allocated(worst%stress)) then
                 found%stress(k, i, :) = worst%stress
               else if (worst%rpm > 0) then
-                call find_stress(deviating(motion, machines(a, d)%deviations, error), worst%rpm, machines(a, d)%sweep, k)
+                call find_stress(deviating(motion, specimens(a, d)%deviations, error), worst%rpm, specimens(a, d)%sweep, k)
               end if
             end associate
           end do
@@ -630,28 +623,28 @@ contains
   contains
 
     !> Computes the static transmission error of one specimen.
-    subroutine find_static(mesh, machine)
+    subroutine find_static(mesh, specimen)
       type(mesh_t), intent(in) :: mesh
-      integer, intent(in) :: machine
+      integer, intent(in) :: specimen
       type(harmonics_t) :: harmonics
 
-      if (with_ste) found%ste(machine, i) = static_range(mesh, stages%load)
+      if (with_ste) found%ste(specimen, i) = static_range(mesh, stages%load)
       if (harmonic == 0) return
       call find_harmonics(mesh, stages%load, harmonic, harmonics, halvings_as_built)
-      found%amplitude(machine, i) = harmonics%amplitude(harmonic)
+      found%amplitude(specimen, i) = harmonics%amplitude(harmonic)
     end subroutine find_static
 
     !> Computes the largest root stress of one specimen.
-    subroutine find_stress(osc, rpm, sweep, machine)
+    subroutine find_stress(osc, rpm, sweep, specimen)
       type(oscillator_t), intent(in) :: osc(:)   ! one element
       real(dp), intent(in) :: rpm
       type(sweep_t), intent(in) :: sweep         ! sweep of these gears
-      integer, intent(in) :: machine
+      integer, intent(in) :: specimen
       type(turn_t) :: turn
 
       if (allocated(error)) return
       call follow_turn(osc(1), rpm, stages, sweep, i, turn, error, unit_stress)
-      if (allocated(turn%stress)) found%stress(machine, i, :) = maxval(turn%stress, 2)
+      if (allocated(turn%stress)) found%stress(specimen, i, :) = maxval(turn%stress, 2)
     end subroutine find_stress
   end subroutine find_extremes
 
@@ -692,31 +685,31 @@ contains
                                             'mesh harmonic of the static transmission error, um', &
                                             'root stress of the pinion, MPa', 'root stress of the gear, MPa']
     real(dp), allocatable :: values(:)
-    integer :: i, k, machines, row
+    integer :: i, k, specimens, row
 
-    machines = table%extent(2)*table%extent(3)
+    specimens = table%extent(2)*table%extent(3)
     do i = 1, size(columns)
       if (table%position(trim(columns(i))) == 0) cycle
       call lines%add('')
       call lines%add('Gears as built: '//trim(titles(i)))
       call lines%add('   relief um   nominal     least    median      95 %   largest')
-      do row = 1, table%rows, machines
-        values = [(table%number(trim(columns(i)), row + k), k=0, machines - 1)]
+      do row = 1, table%rows, specimens
+        values = [(table%number(trim(columns(i)), row + k), k=0, specimens - 1)]
         values = pack(values, .not. ieee_is_nan(values))
-        call lines%put(right(str(table%number('relief_um', row)), 12)//told(table%number('nominal_'//trim(columns(i)), row)))
-        if (size(values) > 0) call lines%put(told(minval(values))//told(quantile(values, 0.5_dp))// &
-                                             told(quantile(values, 0.95_dp))//told(maxval(values)))
+        call lines%put(right(str(table%number('relief_um', row)), 12)//cell(table%number('nominal_'//trim(columns(i)), row)))
+        if (size(values) > 0) call lines%put(cell(minval(values))//cell(quantile(values, 0.5_dp))// &
+                                             cell(quantile(values, 0.95_dp))//cell(maxval(values)))
         call lines%add('')
       end do
     end do
 
   contains
 
-    pure character(10) function told(number)
+    pure character(10) function cell(number)
       real(dp), intent(in) :: number
 
-      told = right('none', 10)
-      if (.not. ieee_is_nan(number)) told = right(fixed(number, 2), 10)
-    end function told
+      cell = right('none', 10)
+      if (.not. ieee_is_nan(number)) cell = right(fixed(number, 2), 10)
+    end function cell
   end subroutine report_extremes
 end module gearsweep_as_built_tables

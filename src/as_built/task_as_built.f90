@@ -11,7 +11,7 @@ module gearsweep_as_built_task_as_built
   use gearsweep_study, only: case_facts_t, check_reliefs, factor_in, is_prescribed, gear_names, needs_gears, reader_t, runnable_t, &
     stage, stages_t, task_info_t, unless
   use gearsweep_as_built_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
-  use gearsweep_as_built_specimens, only: deviating, draw_machines, follow_turn, machine_t, run_exactly, run_mostly_quickly, &
+  use gearsweep_as_built_specimens, only: deviating, draw_specimens, follow_turn, run_specimens, specimen_t, &
     sweep_each, unit_root_stress
   use gearsweep_as_built_tables, only: add_extremes, extremes_t, fill_loads, fill_orders, fill_points, fill_summary, fill_teeth, &
     fill_tolerances, fill_turn, fill_waterfall, fill_worst, find_extremes, report_extremes
@@ -152,7 +152,7 @@ contains
     class(as_built_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
-    type(machine_t), allocatable :: machines(:, :)         ! (assembly, draw)
+    type(specimen_t), allocatable :: specimens(:, :)         ! (assembly, draw)
     type(oscillator_t), allocatable :: followed(:)         ! (relief)
     type(turn_t), allocatable :: turns(:, :)               ! (speed, relief)
     type(turn_t), allocatable :: waterfall(:)              ! (speed)
@@ -161,32 +161,28 @@ contains
     real(dp), allocatable :: rpm(:), sample_error(:)
     real(dp), allocatable :: unit_stress(:, :)   ! if the largest root stresses are requested
     integer, allocatable :: which(:)
-    real(dp) :: machine_bytes
+    real(dp) :: specimen_bytes
     integer :: assemblies, draw, i
 
     call self%list_speeds(stages, rpm)
     call self%list_reliefs(stages, which)
     assemblies = self%deviations%assemblies(stages%motion(1)%mesh%teeth)
     associate (motion => stages%motion(1))
-      machine_bytes = 3.5e3_dp + 80*sum(motion%mesh%teeth) + size(which)*(400.0_dp*size(rpm) + 100)
-      call claim_memory(machine_bytes*assemblies*self%deviations%draws + &
+      specimen_bytes = 3.5e3_dp + 80*sum(motion%mesh%teeth) + size(which)*(400.0_dp*size(rpm) + 100)
+      call claim_memory(specimen_bytes*assemblies*self%deviations%draws + &
                         interval_bytes*size(smooth_intervals(motion%mesh, motion%friction > 0))* &
                         self%deviations%turn(motion%mesh%teeth), &
                         '&deviations draws: '//str(self%deviations%draws)//' pairs of gears', error)
     end associate
     if (allocated(error)) return
     call sweep_each(stages, stages%motion(which), rpm, nominal, error)
-    call draw_machines(self%deviations, stages, assemblies, machines, error)
+    call draw_specimens(self%deviations, stages, assemblies, specimens, error)
     if (allocated(error)) return
     allocate (sample_error(size(which)), source=no_number())
     if (self%with_root_stress) unit_stress = unit_root_stress(stages%pair)
-    if (self%quick) then
-      call run_mostly_quickly(stages, which, rpm, machines, sample_error, error, unit_stress)
-    else
-      call run_all(stages, which, rpm, machines, error, unit_stress)
-    end if
+    call run_specimens(stages, which, rpm, self%quick, size(specimens), specimens, sample_error, error, unit_stress)
     if (allocated(error)) return
-    call find_extremes(stages, which, nominal, machines, self%with_ste, self%ste_harmonic, unit_stress, extremes, error)
+    call find_extremes(stages, which, nominal, specimens, self%with_ste, self%ste_harmonic, unit_stress, extremes, error)
     if (allocated(error)) return
     self%is_stopped = wants_stop(stages%accuracy%steady%stop)
     if (self%is_stopped) then
@@ -194,18 +190,18 @@ contains
       self%is_done = .true.
       return
     end if
-    followed = deviating(stages%motion(which), machines(self%turn_assembly, self%turn_draw)%deviations, error)
-    call follow(self, stages, followed, rpm, machines(self%turn_assembly, self%turn_draw), turns, waterfall, error)
+    followed = deviating(stages%motion(which), specimens(self%turn_assembly, self%turn_draw)%deviations, error)
+    call follow(self, stages, followed, rpm, specimens(self%turn_assembly, self%turn_draw), turns, waterfall, error)
     if (allocated(error)) return
     associate (amount => stages%amount(which), teeth => stages%motion(1)%mesh%teeth, &
-               machine => machines(self%turn_assembly, self%turn_draw))
-      call fill_points(amount, nominal, machines, self%tables(self%place('as_built')), error)
-      call fill_summary(amount, nominal, machines, self%deviations%class, sample_error, &
+               specimen => specimens(self%turn_assembly, self%turn_draw))
+      call fill_points(amount, nominal, specimens, self%tables(self%place('as_built')), error)
+      call fill_summary(amount, nominal, specimens, self%deviations%class, sample_error, &
                         self%tables(self%place('as_built_summary')), error)
-      call fill_worst(teeth, amount, nominal, machines, self%tables(self%place('as_built_worst')), error)
+      call fill_worst(teeth, amount, nominal, specimens, self%tables(self%place('as_built_worst')), error)
       if (.not. allocated(error)) call add_extremes(extremes, self%tables(self%place('as_built_worst')))
-      call fill_teeth(teeth, machine%flanks, self%tables(self%place('as_built_teeth')), error)
-      call fill_loads(stages, amount, turns, machine, self%tables(self%place('as_built_loads')), error)
+      call fill_teeth(teeth, specimen%flanks, self%tables(self%place('as_built_teeth')), error)
+      call fill_loads(stages, amount, turns, specimen, self%tables(self%place('as_built_loads')), error)
       call fill_turn(followed, amount, turns, self%tables(self%place('as_built_turn')), error)
       call fill_orders(followed, amount, turns, self%mesh_orders, self%tables(self%place('as_built_orders')), error)
       if (self%waterfall) call fill_waterfall(teeth, waterfall, self%mesh_orders, &
@@ -216,8 +212,8 @@ contains
     self%is_done = .true.
     self%failed = count(.not. has_result(nominal%status)) + &
                   merge(count(.not. has_result(turns%point%steady%status)), 0, allocated(self%turn_rpm)) + &
-                  sum([((count(.not. has_result(machines(i, draw)%sweep%status)), i=1, assemblies), draw=1, size(machines, 2))])
-    self%log = 'as_built: '//str(size(rpm)*size(which)*size(machines))//' operating points over '// &
+                  sum([((count(.not. has_result(specimens(i, draw)%sweep%status)), i=1, assemblies), draw=1, size(specimens, 2))])
+    self%log = 'as_built: '//str(size(rpm)*size(which)*size(specimens))//' operating points over '// &
                str(followed(1)%mesh%deviations%periods)//' mesh periods each'
     do i = 1, 2
       if (allocated(self%deviations%files(i)%name)) self%log = self%log//'; the polynomials leave '// &
@@ -225,31 +221,13 @@ contains
     end do
   end subroutine run
 
-  !> Computes all pairs of gears to the tolerance. Returns early if the caller stops the run.
-  subroutine run_all(stages, which, rpm, machines, error, unit_stress)
-    type(stages_t), intent(in) :: stages
-    integer, intent(in) :: which(:)
-    real(dp), intent(in) :: rpm(:)
-    type(machine_t), intent(inout) :: machines(:, :)       ! (assembly, draw)
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable, intent(in) :: unit_stress(:, :)   ! as in `run_exactly`
-    integer :: draw, i
-
-    do draw = 1, size(machines, 2)
-      do i = 1, size(machines, 1)
-        if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) return
-        call run_exactly(stages, which, rpm, machines(i, draw), error, unit_stress)
-      end do
-    end do
-  end subroutine run_all
-
   !> Computes the motions of one pair of gears over the revolution.
-  subroutine follow(self, stages, osc, rpm, machine, turns, waterfall, error)
+  subroutine follow(self, stages, osc, rpm, specimen, turns, waterfall, error)
     class(as_built_task_t), intent(in) :: self
     type(stages_t), intent(in) :: stages
     type(oscillator_t), intent(in) :: osc(:)     ! (relief)
     real(dp), intent(in) :: rpm(:)
-    type(machine_t), intent(in) :: machine
+    type(specimen_t), intent(in) :: specimen
     type(turn_t), allocatable, intent(out) :: turns(:, :), waterfall(:)
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: unit_stress(:, :)
@@ -262,15 +240,15 @@ contains
     do i = 1, size(osc)
       do k = 1, n
         if (allocated(self%turn_rpm)) then
-          call follow_turn(osc(i), self%turn_rpm(k), stages, machine%sweep, i, turns(k, i), error, unit_stress)
-        else if (machine%worst(i)%rpm > 0) then
-          call follow_turn(osc(i), machine%worst(i)%rpm, stages, machine%sweep, i, turns(k, i), error, unit_stress)
+          call follow_turn(osc(i), self%turn_rpm(k), stages, specimen%sweep, i, turns(k, i), error, unit_stress)
+        else if (specimen%worst(i)%rpm > 0) then
+          call follow_turn(osc(i), specimen%worst(i)%rpm, stages, specimen%sweep, i, turns(k, i), error, unit_stress)
         end if
         if (allocated(error)) return
       end do
     end do
     do k = 1, size(waterfall)
-      call follow_turn(osc(1), rpm(k), stages, machine%sweep, 1, waterfall(k), error)
+      call follow_turn(osc(1), rpm(k), stages, specimen%sweep, 1, waterfall(k), error)
       if (allocated(error)) return
     end do
   end subroutine follow
@@ -278,13 +256,13 @@ contains
   pure subroutine add_report(self, lines)
     class(as_built_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: machines, row
+    integer :: specimens, row
 
     if (.not. self%tables(self%place('as_built_summary'))%is_there()) return
     call lines%add('')
     associate (summary => self%tables(self%place('as_built_summary')), worst => self%tables(self%place('as_built_worst')))
-      machines = worst%extent(2)*worst%extent(3)
-      if (machines > 1) then
+      specimens = worst%extent(2)*worst%extent(3)
+      if (specimens > 1) then
         call lines%add('Gears as built: largest dynamic factor over the speeds; pairs of gears: '//str(worst%extent(2))// &
                        ', assemblies: '//str(worst%extent(3)))
         call lines%add('   relief um   nominal     least    median      95 %   largest      at rpm   pair of gears   assembly')
@@ -294,7 +272,7 @@ contains
       end if
       do row = 1, summary%rows
         call lines%put(right(str(summary%number('relief_um', row)), 12)//factor_in(summary%number('nominal_factor', row)))
-        if (machines > 1) then
+        if (specimens > 1) then
           call lines%add(factor_in(summary%number('least_factor', row))//factor_in(summary%number('median_factor', row))// &
                          factor_in(summary%number('quantile_95_factor', row))// &
                          factor_in(summary%number('largest_factor', row))//right(str(summary%number('rpm', row)), 12)// &

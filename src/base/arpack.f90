@@ -133,11 +133,14 @@ contains
     integer :: ido, iparam(11), ipntr(11), info, n, i
 
     n = pencil%n
-    allocate (v(n, most), workd(3*n), workl(most*(most + 8)), weighted(n, size(found, 2)), select(most))
+    allocate (v(n, most), workd(3*n), workl(most*(most + 8)), resid(n), weighted(n, size(found, 2)), select(most))
     do i = 1, size(found, 2)
       call pencil%times(found(:, i), weighted(:, i))
     end do
-    resid = start(n)
+    ! Start vector, the same for every run, with a part in every mode.
+    do i = 1, n
+      resid(i) = 0.1_dp + modulo(i*0.6180339887498949_dp, 1.0_dp)
+    end do
     call remove_found(resid)
     iparam = 0
     iparam(1) = 1                                ! exact shifts
@@ -191,15 +194,4 @@ contains
       end do
     end subroutine remove_found
   end subroutine iterate
-
-  !> Start vector, the same for every run, with a part in every mode.
-  pure function start(n) result(x)
-    integer, intent(in) :: n
-    real(dp) :: x(n)
-    integer :: i
-
-    do i = 1, n
-      x(i) = 0.1_dp + modulo(i*0.6180339887498949_dp, 1.0_dp)
-    end do
-  end function start
 end module gearsweep_base_arpack

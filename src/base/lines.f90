@@ -113,7 +113,9 @@ contains
     logical :: quoted, formula
     integer :: i
 
-    formula = is_formula(words)
+    ! A formula of a spreadsheet begins with one of these. A single sign, as for no unit, is none.
+    formula = len_trim(words) > 1
+    if (formula) formula = scan(words(max(1, verify(words, ' '//achar(9))):), '=+-@') == 1
     quoted = formula .or. scan(words, ',"'//achar(13)//new_line('a')) > 0
     if (.not. quoted) then
       call self%cell_word(words)
@@ -127,14 +129,6 @@ contains
     end do
     call self%put('",')
   end subroutine text_cell
-
-  !> True for a formula of a spreadsheet. A single sign, as for no unit, is none.
-  pure logical function is_formula(words)
-    character(*), intent(in) :: words
-
-    is_formula = len_trim(words) > 1
-    if (is_formula) is_formula = scan(words(max(1, verify(words, ' '//achar(9))):), '=+-@') == 1
-  end function is_formula
 
   !> Ends a row of at least one cell.
   pure subroutine end_row(self)

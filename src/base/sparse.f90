@@ -10,7 +10,7 @@ module gearsweep_base_sparse
   use gearsweep_base_text, only: str
   implicit none
   private
-  public :: sparse_t, factor, factor_inner
+  public :: sparse_t, elements_t, factor, factor_inner
 
   !> Factored matrix. It must not be copied: the first copy to end would free the factor of both.
   type :: sparse_t
@@ -25,6 +25,15 @@ module gearsweep_base_sparse
     procedure, private :: solve_one, solve_many
     final :: end_of_life
   end type sparse_t
+
+  !> Dense symmetric matrices of elements in the form of `factor`.
+  type :: elements_t
+    integer, allocatable :: first(:), at(:)
+    real(dp), allocatable :: values(:)
+    integer, private :: elements = 0, unknowns = 0, entries = 0
+  contains
+    procedure :: begin, add, finish
+  end type elements_t
 
   !> Number of right sides solved at a time: more need memory, and save little time.
   integer, parameter :: most_columns = 32
@@ -62,6 +71,46 @@ module gearsweep_base_sparse
   end interface
 
 contains
+
+  !> Begins a list of at most so many elements with `size` unknowns each.
+  pure subroutine begin(self, elements, size)
+    class(elements_t), intent(inout) :: self
+    integer, intent(in) :: elements, size
+
+    allocate (self%first(elements + 1), source=1)
+    allocate (self%at(size*elements), self%values(size*(size + 1)/2*elements))
+  end subroutine begin
+
+  !> Adds an element's matrix: of its unknowns `list`, those that are not held (0), and the lower triangle. An element with all
+  !> unknowns held is omitted.
+  pure subroutine add(self, list, matrix)
+    class(elements_t), intent(inout) :: self
+    integer, intent(in) :: list(:)
+    real(dp), intent(in) :: matrix(:, :)
+    integer :: i, j
+
+    if (all(list == 0)) return
+    do j = 1, size(list)
+      if (list(j) == 0) cycle
+      self%unknowns = self%unknowns + 1
+      self%at(self%unknowns) = list(j)
+      do i = j, size(list)
+        if (list(i) == 0) cycle
+        self%entries = self%entries + 1
+        self%values(self%entries) = matrix(i, j)
+      end do
+    end do
+    self%elements = self%elements + 1
+    self%first(self%elements + 1) = self%unknowns + 1
+  end subroutine add
+
+  !> Ends the list: drops the places that were not used.
+  pure subroutine finish(self)
+    class(elements_t), intent(inout) :: self
+
+    self%first = self%first(:self%elements + 1)
+    self%at = self%at(:self%unknowns)
+  end subroutine finish
 
   !> Factors the sum of dense symmetric matrices, which must be positive definite.
   !>
@@ -114,7 +163,7 @@ contains
     integer :: i
 
     call matrix%free()
-    call claim_memory(analysis_bytes(n, size(at)), what, error, blas=.true.)
+    call claim_memory(400.0_dp*n + 100.0_dp*size(at) + 1e6_dp, what, error, blas=.true.)
     if (allocated(error)) return
     matrix%n = n
     allocate (matrix%first, source=int(first, c_int))
@@ -139,14 +188,6 @@ contains
     end if
     if (allocated(error)) call matrix%free()
   end subroutine make_factor
-
-  !> Additional memory of the ordering, and of copies of the elements' lists: graph, tree and work space, some integers for each
-  !> unknown and for each of an element.
-  pure real(dp) function analysis_bytes(n, entries)
-    integer, intent(in) :: n, entries
-
-    analysis_bytes = 400.0_dp*n + 100.0_dp*entries + 1e6_dp
-  end function analysis_bytes
 
   !> Reports MUMPS' codes of failure, INFOG(1) and INFOG(2), in words.
   subroutine refuse(info, detail, what, error)

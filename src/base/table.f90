@@ -228,7 +228,14 @@ contains
     if (allocated(self%error)) return
     allocate (larger(n + 1))
     do i = 1, n
-      call move_column(self%columns(i), larger(i))
+      call move_alloc(self%columns(i)%name, larger(i)%name)
+      call move_alloc(self%columns(i)%unit, larger(i)%unit)
+      call move_alloc(self%columns(i)%meaning, larger(i)%meaning)
+      larger(i)%kind = self%columns(i)%kind
+      larger(i)%is_index = self%columns(i)%is_index
+      larger(i)%is_reproducible = self%columns(i)%is_reproducible
+      call move_alloc(self%columns(i)%numbers, larger(i)%numbers)
+      call move_alloc(self%columns(i)%words, larger(i)%words)
     end do
     larger(n + 1) = head(name, unit, meaning, kind, is_index)
     call move_alloc(larger, self%columns)
@@ -246,21 +253,6 @@ contains
     column%kind = kind
     column%is_index = is_index
   end function head
-
-  !> Moves a column without copying its values.
-  pure subroutine move_column(from, to)
-    type(column_t), intent(inout) :: from
-    type(column_t), intent(out) :: to
-
-    call move_alloc(from%name, to%name)
-    call move_alloc(from%unit, to%unit)
-    call move_alloc(from%meaning, to%meaning)
-    to%kind = from%kind
-    to%is_index = from%is_index
-    to%is_reproducible = from%is_reproducible
-    call move_alloc(from%numbers, to%numbers)
-    call move_alloc(from%words, to%words)
-  end subroutine move_column
 
   pure subroutine add_reals(self, name, unit, meaning, numbers)
     class(table_t), intent(inout) :: self
@@ -431,11 +423,25 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(lines_t) :: lines
     integer :: i, k
+    type(row_t), allocatable :: rows(:)
 
     ! Memory of a buffer that doubles and is copied, and of its final copy.
     call claim_memory(5*(1e5_dp + table%text_bytes() + 3.0_dp*len(case_text)), 'the text of the table '//table%name, error)
     if (allocated(error)) return
-    call add_introduction(table, case_text, lines)
+    call lines%add(csv_start//version//': '//table%meaning)
+    call lines%add('# columns:')
+    do i = 1, size(table%columns)
+      associate (column => table%columns(i))
+        call lines%put('#   '//column%name)
+        if (column%unit /= '') call lines%put(' ('//column%unit//')')
+        call lines%add(': '//column%meaning)
+      end associate
+    end do
+    call lines%add('# case:')
+    call find_lines(case_text, rows)
+    do i = 1, size(rows)
+      if (i < size(rows) .or. rows(i)%last >= rows(i)%first) call lines%add('#   '//case_text(rows(i)%first:rows(i)%last))
+    end do
     do i = 1, size(table%columns)
       call lines%cell(table%columns(i)%name)
     end do
@@ -457,27 +463,4 @@ contains
     end do
     text = lines%text()
   end subroutine write_csv
-
-  pure subroutine add_introduction(table, case_text, lines)
-    type(table_t), intent(in) :: table
-    character(*), intent(in) :: case_text
-    type(lines_t), intent(inout) :: lines
-    type(row_t), allocatable :: rows(:)
-    integer :: i
-
-    call lines%add(csv_start//version//': '//table%meaning)
-    call lines%add('# columns:')
-    do i = 1, size(table%columns)
-      associate (column => table%columns(i))
-        call lines%put('#   '//column%name)
-        if (column%unit /= '') call lines%put(' ('//column%unit//')')
-        call lines%add(': '//column%meaning)
-      end associate
-    end do
-    call lines%add('# case:')
-    call find_lines(case_text, rows)
-    do i = 1, size(rows)
-      if (i < size(rows) .or. rows(i)%last >= rows(i)%first) call lines%add('#   '//case_text(rows(i)%first:rows(i)%last))
-    end do
-  end subroutine add_introduction
 end module gearsweep_base_table

@@ -111,28 +111,20 @@ contains
     read (buffer(index(buffer, 'E') + 1:), *) exponent
     mantissa = buffer(1:1)//buffer(3:n + 1)
     mantissa = mantissa(:max(1, verify(mantissa, '0', back=.true.)))
-    call place(mantissa, exponent, n, text)
-    if (x < 0) text = '-'//text
-  end subroutine write_real
-
-  !> Writes the number d1.d2d3.. 10^exponent from its digits d1 d2 d3..: plainly if that is short.
-  pure subroutine place(digits, exponent, n, text)
-    character(*), intent(in) :: digits
-    integer, intent(in) :: exponent, n
-    character(:), allocatable, intent(out) :: text
-
-    if (exponent < -4 .or. exponent >= max(n, len(digits))) then
-      text = digits(1:1)
-      if (len(digits) > 1) text = text//'.'//digits(2:)
+    ! Plainly if that is short, otherwise with an exponent.
+    if (exponent < -4 .or. exponent >= max(n, len(mantissa))) then
+      text = mantissa(1:1)
+      if (len(mantissa) > 1) text = text//'.'//mantissa(2:)
       text = text//'e'//str_integer(exponent)
     else if (exponent < 0) then
-      text = '0.'//repeat('0', -exponent - 1)//digits
-    else if (len(digits) <= exponent + 1) then
-      text = digits//repeat('0', exponent + 1 - len(digits))
+      text = '0.'//repeat('0', -exponent - 1)//mantissa
+    else if (len(mantissa) <= exponent + 1) then
+      text = mantissa//repeat('0', exponent + 1 - len(mantissa))
     else
-      text = digits(:exponent + 1)//'.'//digits(exponent + 2:)
+      text = mantissa(:exponent + 1)//'.'//mantissa(exponent + 2:)
     end if
-  end subroutine place
+    if (x < 0) text = '-'//text
+  end subroutine write_real
 
   pure integer function fixed_length(x, decimals) result(length)
     real(dp), intent(in) :: x
@@ -334,7 +326,11 @@ contains
     if (mark == 0) mark = len(text) + 1
     if (mark <= first) ok = .false.
     if (.not. ok) return
-    ok = is_plain(text(first:mark - 1))
+    associate (number => text(first:mark - 1))
+      ! Digits with at most one point, and at least one digit.
+      ok = verify(number, figures//'.') == 0 .and. scan(number, figures) > 0 .and. &
+           scan(number, '.') == scan(number, '.', back=.true.)
+    end associate
     if (.not. ok) return
     ! Checked here, as the run-time library overflows silently or traps.
     exponent = leading_power(text(first:mark - 1)) + max(-100000, min(100000, exponent))
@@ -350,14 +346,6 @@ contains
     sign_length = 0
     if (len(text) > 0) sign_length = merge(1, 0, scan(text(1:1), '+-') == 1)
   end function sign_length
-
-  !> True for digits with at most one point, and at least one digit.
-  pure logical function is_plain(text)
-    character(*), intent(in) :: text
-
-    is_plain = verify(text, figures//'.') == 0 .and. scan(text, figures) > 0 &
-      & .and. scan(text, '.') == scan(text, '.', back=.true.)
-  end function is_plain
 
   !> Power of ten of the first digit that is not zero; very low for zero itself.
   pure integer function leading_power(text) result(power)

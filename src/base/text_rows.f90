@@ -112,7 +112,7 @@ contains
                                                                index(table%text(first%first:first%last), ',') > 0)
       end associate
     end if
-    if (header /= '*') call take_header(table, error)
+    if (header /= '*') call check_header(table, error)
   end subroutine find_rows
 
   !> True if this line is a row, and not empty.
@@ -151,7 +151,7 @@ contains
   end function separator_of
 
   !> Checks the names of the columns, which must be those of `header`, and skips them; for two columns of numbers, any two words.
-  subroutine take_header(table, error)
+  subroutine check_header(table, error)
     type(rows_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: names(:)
@@ -178,7 +178,7 @@ contains
                                       error)
     end if
     table%rows = table%rows(2:)
-  end subroutine take_header
+  end subroutine check_header
 
   !> Splits a row into this many fields, without the blanks around them; further fields must be empty. With `open_end` the last
   !> extends to the end of the line, and fields may be missing.
@@ -209,7 +209,7 @@ contains
       from = verify(row, merge('  ', ' '//tab, self%separator == tab))
       do while (from <= len(row) + 1)
         n = n + 1
-        call take_field(row, separator, is_open .and. n == wanted, from, word)
+        call read_field(row, separator, is_open .and. n == wanted, from, word)
         if (n <= wanted) found(n) = word
         if (n > wanted .and. len(word) > 0) ok = .false.
       end do
@@ -218,7 +218,7 @@ contains
   end subroutine fields
 
   !> Reads the field that begins at `from`, and moves `from` to the next one, or to one beyond the end if there is none.
-  pure subroutine take_field(row, separator, to_end, from, word)
+  pure subroutine read_field(row, separator, to_end, from, word)
     character(*), intent(in) :: row
     character, intent(in) :: separator
     logical, intent(in) :: to_end                !< the field is the remainder, unless it is in quotation marks
@@ -246,7 +246,7 @@ contains
     end if
     from = until + 1
     if (separator == ' ' .and. from <= len(row)) from = behind(row, from, blanks)
-  end subroutine take_field
+  end subroutine read_field
 
   !> First place from `at` on with none of these characters; one beyond the end if there is none.
   pure integer function behind(row, at, set)
@@ -323,7 +323,7 @@ contains
       n = 0
       from = 1
       do while (from <= len(row) + 1)
-        call take_field(row, self%separator, .false., from, word)
+        call read_field(row, self%separator, .false., from, word)
         n = n + 1
         if (i > 1 .and. n > columns .and. len(word) == 0) cycle
         call self%number(word, value, ok)

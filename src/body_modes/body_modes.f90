@@ -4,7 +4,7 @@ module gearsweep_body_modes_body_modes
   use gearsweep_base, only: code_input, dp, error_t, fail, str
   use gearsweep_gear, only: gear_t
   use gearsweep_elastic, only: check_material, material_t
-  use gearsweep_body_modes_sector, only: blank_t, brick_matrices, brick_nodes, make_gear_sector, sector_t
+  use gearsweep_body_modes_sector, only: gear_blank_t, brick_matrices, brick_nodes, make_gear_sector, sector_t
   use gearsweep_body_modes_sector_modes, only: antisymmetric, find_sector_modes, radial, rigid_motions, sector_mode_t, support_t, &
     symmetric, tangential
   implicit none
@@ -14,7 +14,7 @@ module gearsweep_body_modes_body_modes
   integer, parameter :: name_length = 32
 
   type :: body_options_t
-    type(blank_t) :: blank
+    type(gear_blank_t) :: blank
     type(support_t) :: support
     integer :: modes = 2                         !< number of modes of each nodal diameter and symmetry
     integer :: most_diameters = -1               !< largest nodal diameter; -1: all
@@ -47,10 +47,12 @@ contains
     type(c_ptr), intent(in) :: stop
     type(body_modes_t), intent(out) :: product
     type(error_t), allocatable, intent(inout) :: error
-    type(sector_mode_t), allocatable :: fine(:, :, :), coarse(:, :, :)
+    type(sector_mode_t), allocatable :: fine(:, :, :), coarse(:, :, :), all(:)
     type(sector_t) :: coarser
     real(dp) :: order
-    integer :: across, most
+    integer :: across, most, i, k, n
+    real(dp), allocatable :: estimate(:)
+    logical, allocatable :: remains(:)
 
     call check_material(material, error)
     most = options%most_diameters
@@ -58,7 +60,8 @@ contains
     if (most > gear%spec%teeth/2) call fail(error, code_input, 'nodal diameters = '//str(most)// &
       ': at most half the number of teeth, '//str(gear%spec%teeth/2))
     if (allocated(error)) return
-    across = coarser_than(options%across)
+    across = max(2, options%across/2)
+    if (across == options%across) across = options%across + 1
     call make_gear_sector(gear, options%blank, options%across, product%sector, error)
     if (allocated(error)) return
     call make_gear_sector(gear, options%blank, across, coarser, error)
@@ -68,41 +71,21 @@ contains
     call find_sector_modes(coarser, material, options%support, options%modes, [0, most], stop, coarse, error)
     if (allocated(error) .or. .not. allocated(coarse)) return
     order = merge(1.5_dp, 1.4_dp, options%blank%web > 0)
-    call sort_modes(fine, coarse, (real(options%across, dp)/across)**order - 1, product)
+    all = reshape(fine, [size(fine)])
+    estimate = reshape(abs((coarse%frequency/fine%frequency - 1)/((real(options%across, dp)/across)**order - 1)), [size(fine)])
+    n = size(all)
+    allocate (remains(n), source=.true.)
+    allocate (product%modes(n), product%error_estimate(n))
+    do i = 1, n
+      k = minloc(all%frequency, 1, mask=remains)
+      remains(k) = .false.
+      product%modes(i) = all(k)
+      product%error_estimate(i) = estimate(k)
+    end do
     product%rigid = sum([rigid_motions(options%support, symmetric, 0), rigid_motions(options%support, antisymmetric, 0), &
                          2*rigid_motions(options%support, symmetric, 1), 2*rigid_motions(options%support, antisymmetric, 1)])
     call weigh(product%sector, material, product%mass, product%inertia)
   end subroutine find_body_modes
-
-  !> Elements across a tooth of the second grid.
-  pure integer function coarser_than(across)
-    integer, intent(in) :: across
-
-    coarser_than = max(2, across/2)
-    if (coarser_than == across) coarser_than = across + 1
-  end function coarser_than
-
-  pure subroutine sort_modes(fine, coarse, divisor, product)
-    type(sector_mode_t), intent(in) :: fine(:, :, 0:), coarse(:, :, 0:)
-    real(dp), intent(in) :: divisor
-    type(body_modes_t), intent(inout) :: product
-    type(sector_mode_t), allocatable :: all(:)
-    real(dp), allocatable :: estimate(:)
-    logical, allocatable :: left(:)
-    integer :: i, k, n
-
-    all = reshape(fine, [size(fine)])
-    estimate = reshape(abs((coarse%frequency/fine%frequency - 1)/divisor), [size(fine)])
-    n = size(all)
-    allocate (left(n), source=.true.)
-    allocate (product%modes(n), product%error_estimate(n))
-    do i = 1, n
-      k = minloc(all%frequency, 1, mask=left)
-      left(k) = .false.
-      product%modes(i) = all(k)
-      product%error_estimate(i) = estimate(k)
-    end do
-  end subroutine sort_modes
 
   !> Mass and polar moment of inertia of the complete gear, from the elements.
   pure subroutine weigh(sector, material, mass, inertia)

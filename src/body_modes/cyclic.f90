@@ -5,7 +5,7 @@
 !> times exp(i n pitch). The inner unknowns of the sector do not depend on n: they are eliminated once, in real arithmetic. The part
 !> that depends on n is in gearsweep_body_modes_sector_modes.
 module gearsweep_body_modes_cyclic
-  use gearsweep_base, only: claim_memory, dp, error_t, factor_inner, sparse_t, str
+  use gearsweep_base, only: claim_memory, dp, elements_t, error_t, factor_inner, sparse_t, str
   use gearsweep_elastic, only: material_t
   use gearsweep_body_modes_sector, only: brick_matrices, brick_nodes, sector_t
   implicit none
@@ -42,14 +42,14 @@ contains
     real(dp), intent(in) :: shift
     type(cyclic_t), intent(inout) :: cyclic
     type(error_t), allocatable, intent(inout) :: error
-    integer, allocatable :: first(:), at(:)
-    real(dp), allocatable :: values(:)
+    type(elements_t) :: matrices
     character(:), allocatable :: what
-    integer :: elements, nodes
+    integer :: elements, nodes, e
 
     elements = size(sector%element, 2)
     nodes = size(sector%x, 2)
-    call free(cyclic)
+    call cyclic%factor%free()
+    if (allocated(cyclic%equation)) deallocate (cyclic%equation, cyclic%stiffness, cyclic%mass, cyclic%frame, cyclic%border)
     what = 'elements across a tooth of the body: the grid with '//str(nodes)//' nodes'
     call claim_memory(elements*(8.0_dp*(unknowns_each**2 + brick_nodes**2 + triangle) + 1000) + 100.0_dp*nodes, what, error)
     if (allocated(error)) return
@@ -57,66 +57,50 @@ contains
     cyclic%shift = shift
     call number_unknowns(held, cyclic)
     call make_matrices(material, cyclic)
-    call collect(cyclic, first, at, values)
+    call matrices%begin(elements, unknowns_each)
+    do e = 1, elements
+      call matrices%add(reshape(cyclic%equation(:, sector%element(:, e)), [unknowns_each]), cyclic%stiffness(:, :, e))
+    end do
+    call matrices%finish()
     call claim_memory(8.0_dp*(2*cyclic%cut)**2, what, error)
     if (allocated(error)) return
     allocate (cyclic%border(2*cyclic%cut, 2*cyclic%cut))
-    call factor_inner(cyclic%inner + 2*cyclic%cut, first, at, values, what, cyclic%factor, cyclic%border, error)
+    call factor_inner(cyclic%inner + 2*cyclic%cut, matrices%first, matrices%at, matrices%values, what, &
+                      cyclic%factor, cyclic%border, error)
   end subroutine make_cyclic
-
-  !> Releases the sector's memory.
-  subroutine free(cyclic)
-    type(cyclic_t), intent(inout) :: cyclic
-
-    call cyclic%factor%free()
-    if (.not. allocated(cyclic%equation)) return
-    deallocate (cyclic%equation, cyclic%stiffness, cyclic%mass, cyclic%frame, cyclic%border)
-  end subroutine free
 
   pure subroutine number_unknowns(held, cyclic)
     logical, intent(in) :: held(:, :)
     type(cyclic_t), intent(inout) :: cyclic
     logical :: is_inner(size(held, 2))
-    integer :: n, p, d, count
+    integer :: n, p, d, last
 
     associate (near => cyclic%sector%near, far => cyclic%sector%far)
       allocate (cyclic%equation(3, size(held, 2)), source=0)
       is_inner = .true.
       is_inner(near) = .false.
       is_inner(far) = .false.
-      count = 0
+      last = 0
       do p = 1, size(held, 2)
         if (.not. is_inner(p)) cycle
         do d = 1, 3
           if (held(d, p)) cycle
-          count = count + 1
-          cyclic%equation(d, p) = count
+          last = last + 1
+          cyclic%equation(d, p) = last
         end do
       end do
-      cyclic%inner = count
-      cyclic%cut = 3*size(near) - count_held()
+      cyclic%inner = last
+      cyclic%cut = 3*size(near) - count(held(:, near))
       do n = 1, size(near)
         do d = 1, 3
           if (held(d, near(n))) cycle
-          count = count + 1
-          cyclic%equation(d, near(n)) = count
-          cyclic%equation(d, far(n)) = count + cyclic%cut
+          last = last + 1
+          cyclic%equation(d, near(n)) = last
+          cyclic%equation(d, far(n)) = last + cyclic%cut
         end do
       end do
     end associate
-
-  contains
-
-    pure integer function count_held()
-      count_held = count_of(held(:, cyclic%sector%near))
-    end function count_held
   end subroutine number_unknowns
-
-  pure integer function count_of(mask)
-    logical, intent(in) :: mask(:, :)
-
-    count_of = count(mask)
-  end function count_of
 
   !> Computes the element matrices, in each node's own directions.
   pure subroutine make_matrices(material, cyclic)
@@ -161,38 +145,4 @@ contains
       end do
     end associate
   end subroutine make_matrices
-
-  !> Collects the stiffness in the form of gearsweep_base_sparse.
-  pure subroutine collect(cyclic, first, at, values)
-    type(cyclic_t), intent(in) :: cyclic
-    integer, allocatable, intent(out) :: first(:), at(:)
-    real(dp), allocatable, intent(out) :: values(:)
-    integer :: list(unknowns_each), e, i, j, elements, unknowns, entries
-
-    elements = size(cyclic%stiffness, 3)
-    allocate (first(elements + 1), at(unknowns_each*elements), values(triangle*elements))
-    elements = 0
-    unknowns = 0
-    entries = 0
-    first(1) = 1
-    do e = 1, size(cyclic%stiffness, 3)
-      list = reshape(cyclic%equation(:, cyclic%sector%element(:, e)), [unknowns_each])
-      do j = 1, unknowns_each
-        if (list(j) == 0) cycle
-        unknowns = unknowns + 1
-        at(unknowns) = list(j)
-        do i = j, unknowns_each
-          if (list(i) == 0) cycle
-          entries = entries + 1
-          values(entries) = cyclic%stiffness(i, j, e)
-        end do
-      end do
-      if (unknowns + 1 > first(elements + 1)) then
-        elements = elements + 1
-        first(elements + 1) = unknowns + 1
-      end if
-    end do
-    first = first(:elements + 1)
-    at = at(:unknowns)
-  end subroutine collect
 end module gearsweep_body_modes_cyclic

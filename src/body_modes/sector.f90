@@ -11,7 +11,7 @@ module gearsweep_body_modes_sector
     tooth_block_t
   implicit none
   private
-  public :: brick_matrices, blank_t, sector_t, make_gear_sector, make_ring_sector
+  public :: brick_matrices, gear_blank_t, sector_t, make_gear_sector, make_ring_sector
 
   integer, parameter, public :: brick_nodes = 20
 
@@ -22,11 +22,11 @@ module gearsweep_body_modes_sector
     -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], dp), [3, brick_nodes])
 
   !> Gear body below the teeth. With a web, rim and hub are as wide as the teeth.
-  type :: blank_t
+  type :: gear_blank_t
     real(dp) :: web = 0                          !< width of the web, m; 0: the body is as wide as the teeth
     real(dp) :: rim = 0                          !< thickness of the rim below the root circle, m
     real(dp) :: hub_radius = 0                   !< outer radius of the hub, m; 0: the web reaches the bore
-  end type blank_t
+  end type gear_blank_t
 
   !> Near and far are the two cuts: far is near rotated by the pitch angle, anticlockwise as seen from the front.
   type :: sector_t
@@ -144,7 +144,7 @@ contains
   !> do not fit.
   subroutine make_gear_sector(gear, blank, across, sector, error)
     type(gear_t), intent(in) :: gear
-    type(blank_t), intent(in) :: blank
+    type(gear_blank_t), intent(in) :: blank
     integer, intent(in) :: across
     type(sector_t), intent(out) :: sector
     type(error_t), allocatable, intent(inout) :: error
@@ -152,15 +152,22 @@ contains
     type(error_t), allocatable :: folded
     real(dp), allocatable :: top(:, :), radius(:), points(:, :, :), level(:)
     integer, allocatable :: part(:, :), row_layers(:), layers(:)
-    integer :: first
+    integer :: first, n, i
+    real(dp) :: middle, half
 
     call check_blank(gear, blank, error)
     if (allocated(error)) return
     call make_tooth_block(gear, across, block)
-    call lay_top(gear, block, top, first)
-    call lay_rows(gear, blank, across, block%width, radius, row_layers)
-    call claim_sector((size(top, 2)/2)*(size(row_layers) + block%upper), across, error)
-    if (allocated(error)) return
+    ! Points along the root from cut to cut, at all half steps of the columns.
+    half = pi/gear%spec%teeth
+    ! The cuts lie in the middle of the root lands, which unequal flanks shift.
+    middle = (root_angle(gear, drive) - root_angle(gear, coast))/2
+    allocate (top(2, 0))
+    call append(top, fillet_run(gear, block, coast, 0.0_dp, middle - half))
+    first = (size(top, 2) - 1)/2
+    call append(top, block%bottom)
+    call append(top, fillet_run(gear, block, drive, 0.0_dp, middle + half))
+    call place_rows(gear, blank, across, block%width, radius, row_layers)
     call fill_lattice(gear, blank, block, top, first, radius, points, part)
     call make_grid(points, part, .false., sector%plane, folded)
     if (allocated(folded)) then
@@ -169,8 +176,19 @@ contains
                 ' mm below the root circle, too thin for a grid')
       return
     end if
-    call lay_levels(gear, blank, across, level)
-    layers = pack(layers_of(row_layers, size(level)/2, part), part /= no_element)
+    ! Heights of all half steps of the layers: up to half the web, then up to half the face width.
+    n = max(1, nint(across/2.0_dp))
+    associate (face => gear%spec%face_width/2)
+      if (blank%web > 0) then
+        level = [0.0_dp, blank%web/2*graded(n, n, [.false., .true.]), &
+                 blank%web/2 + (face - blank%web/2)*graded(n, n, [.true., .false.])]
+      else
+        level = [(face*i/(2*n), i=0, 2*n)]
+      end if
+    end associate
+    ! Half of the layers in the web.
+    row_layers = [row_layers, spread(2, 1, block%upper)]
+    layers = pack(spread(merge(size(level)/2/2, size(level)/2, row_layers == 1), 1, size(part, 1)), part /= no_element)
     sector%sectors = gear%spec%teeth
     call extrude(sector, level, layers)
   end subroutine make_gear_sector
@@ -204,7 +222,7 @@ contains
 
   subroutine check_blank(gear, blank, error)
     type(gear_t), intent(in) :: gear
-    type(blank_t), intent(in) :: blank
+    type(gear_blank_t), intent(in) :: blank
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: inner
 
@@ -225,48 +243,21 @@ contains
       str(1e3_dp*(gear%root_radius - inner))//', which the root circle leaves to the hub or bore')
   end subroutine check_blank
 
-  !> Claims memory for nodes and elements in the plane, each with its layers.
-  subroutine claim_sector(elements, across, error)
-    integer, intent(in) :: elements, across
-    type(error_t), allocatable, intent(inout) :: error
-
-    call claim_memory(elements*(500.0_dp + 600.0_dp*(across + 2)), &
-                      'elements across a tooth of the body = '//str(across), error)
-  end subroutine claim_sector
-
   !> Rim thickness; without a web the rim extends to the bore.
   pure real(dp) function rim_of(gear, blank)
     type(gear_t), intent(in) :: gear
-    type(blank_t), intent(in) :: blank
+    type(gear_blank_t), intent(in) :: blank
 
     rim_of = gear%root_radius - gear%spec%bore_radius
     if (blank%web > 0) rim_of = blank%rim
   end function rim_of
 
-  !> Places points along the root from cut to cut, at all half steps of the columns. `first`: columns before the tooth.
-  subroutine lay_top(gear, block, top, first)
-    type(gear_t), intent(in) :: gear
-    type(tooth_block_t), intent(in) :: block
-    real(dp), allocatable, intent(out) :: top(:, :)
-    integer, intent(out) :: first
-    real(dp) :: middle, half
-
-    half = pi/gear%spec%teeth
-    ! The cuts lie in the middle of the root lands, which unequal flanks shift.
-    middle = (root_angle(gear, drive) - root_angle(gear, coast))/2
-    allocate (top(2, 0))
-    call append(top, fillet_run(gear, block, coast, 0.0_dp, middle - half))
-    first = (size(top, 2) - 1)/2
-    call append(top, block%bottom)
-    call append(top, fillet_run(gear, block, drive, 0.0_dp, middle + half))
-  end subroutine lay_top
-
   !> Places the radii of all half steps of the rows below the root (0:), from the bore up, and the layers of each row: 1 for those
   !> of the web, 2 for those that are as wide as the teeth. A body with a web is graded towards the corners between the two, and a
   !> web that reaches the bore also towards the bore, where it is clamped.
-  pure subroutine lay_rows(gear, blank, across, width, radius, row_layers)
+  pure subroutine place_rows(gear, blank, across, width, radius, row_layers)
     type(gear_t), intent(in) :: gear
-    type(blank_t), intent(in) :: blank
+    type(gear_blank_t), intent(in) :: blank
     integer, intent(in) :: across
     real(dp), intent(in) :: width
     real(dp), allocatable, intent(out) :: radius(:)
@@ -319,7 +310,7 @@ contains
     pure real(dp) function turning()
       turning = (gear%root_radius + width/growth)/2
     end function turning
-  end subroutine lay_rows
+  end subroutine place_rows
 
   !> Ends of all half steps of `steps` elements, from 0 (omitted) to 1. Towards ends with a sharp corner between web and rim or hub,
   !> where the field is singular, the last `most` of them shrink with the square of the distance.
@@ -345,7 +336,7 @@ contains
   !> out to circles at the rim's inner radius.
   pure subroutine fill_lattice(gear, blank, block, top, first, radius, points, part)
     type(gear_t), intent(in) :: gear
-    type(blank_t), intent(in) :: blank
+    type(gear_blank_t), intent(in) :: blank
     type(tooth_block_t), intent(in) :: block
     real(dp), intent(in) :: top(:, 0:), radius(0:)
     integer, intent(in) :: first
@@ -372,45 +363,6 @@ contains
       points(:, 2*first:2*(first + block%across), 2*rows + j) = block%points(:, :, j)
     end do
   end subroutine fill_lattice
-
-  !> Heights of all half steps of the layers (0:), m: up to half the web, then up to half the face width.
-  pure subroutine lay_levels(gear, blank, across, level)
-    type(gear_t), intent(in) :: gear
-    type(blank_t), intent(in) :: blank
-    integer, intent(in) :: across
-    real(dp), allocatable, intent(out) :: level(:)
-    integer :: n, i
-
-    associate (half => gear%spec%face_width/2)
-      if (blank%web > 0) then
-        n = layers_in_web(across)
-        level = [0.0_dp, blank%web/2*graded(n, n, [.false., .true.]), &
-                 blank%web/2 + (half - blank%web/2)*graded(n, n, [.true., .false.])]
-      else
-        n = max(1, nint(across/2.0_dp))
-        level = [(half*i/(2*n), i=0, 2*n)]
-      end if
-    end associate
-  end subroutine lay_levels
-
-  !> Number of layers in half the web; as many follow from there to the face.
-  pure integer function layers_in_web(across)
-    integer, intent(in) :: across
-
-    layers_in_web = max(1, nint(across/2.0_dp))
-  end function layers_in_web
-
-  !> Number of layers at each element of the lattice: half of `all` in the web.
-  pure function layers_of(row_layers, all, part) result(layers)
-    integer, intent(in) :: row_layers(:), all, part(:, :)
-    integer :: layers(size(part, 1), size(part, 2))
-    integer :: j
-
-    layers = all
-    do j = 1, size(row_layers)
-      if (row_layers(j) == 1) layers(:, j) = all/2
-    end do
-  end function layers_of
 
   !> Builds bricks on the elements of the plane: `layers(elements)` of them on each, between the heights `level(0:)` of all half
   !> steps.

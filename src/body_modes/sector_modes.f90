@@ -96,16 +96,20 @@ contains
     type(diameter_t) :: pencil
     real(dp), allocatable :: values(:), vectors(:, :)
     real(dp) :: outer
-    integer :: symmetry, n, k
+    integer :: symmetry, n, k, d
+    logical :: held(3, size(sector%x, 2))
 
     allocate (modes(count, 2, diameters(1):diameters(2)))
     outer = maxval(norm2(sector%x(:2, :), 1))
     do symmetry = symmetric, antisymmetric
+      do d = 1, 3
+        held(d, :) = (sector%in_bore .and. support%held(d)) .or. &
+                     (sector%in_middle .and. (d == axial .eqv. symmetry == symmetric))
+      end do
       ! Small compared with any elastic frequency: a hundredth of what a shear wave does in a second over the radius.
-      call make_cyclic(sector, material, held_nodes(sector, support, symmetry), &
-                       1e-4_dp*material%young/(material%density*outer**2), cyclic, error)
+      call make_cyclic(sector, material, held, 1e-4_dp*material%young/(material%density*outer**2), cyclic, error)
       do n = diameters(1), diameters(2)
-        call take_diameter(cyclic, n, pencil, error)
+        call prepare_diameter(cyclic, n, pencil, error)
         if (2*(2*count + 2) + basis_extra > pencil%n) call fail(error, code_input, 'number of body modes = '//str(count)// &
           ': the grid is too coarse for so many; must be fewer, or more elements across a tooth')
         if (wants_stop(stop)) deallocate (modes)
@@ -122,20 +126,6 @@ contains
       end do
     end do
   end subroutine find_sector_modes
-
-  !> Fixed displacements of bore and middle plane.
-  pure function held_nodes(sector, support, symmetry) result(held)
-    type(sector_t), intent(in) :: sector
-    type(support_t), intent(in) :: support
-    integer, intent(in) :: symmetry
-    logical :: held(3, size(sector%x, 2))
-    integer :: d
-
-    do d = 1, 3
-      held(d, :) = (sector%in_bore .and. support%held(d)) .or. &
-                   (sector%in_middle .and. (d == axial .eqv. symmetry == symmetric))
-    end do
-  end function held_nodes
 
   !> Number of rigid-body motions of nodal diameter `n` that the support allows, 0 or 1; each with n = 1 counts twice in the
   !> complete body.
@@ -272,12 +262,12 @@ contains
       mode%share = mode%share/sum(mode%share)
       ! Both halves of all sectors; with two parts, the mean square of sine and cosine.
       in_all = 2.0_dp*cyclic%sector%sectors/pencil%parts*dot_product(vector, moved)
-      call take_shape(u(:, :, cyclic%sector%front), sqrt(in_all), mode%shape)
+      call set_phase(u(:, :, cyclic%sector%front), sqrt(in_all), mode%shape)
     end associate
   end subroutine describe
 
   !> Rotates the phase of a shape so that a weighted sum of all displacements, with unequal weights, is real and above 0.
-  pure subroutine take_shape(u, length, shape)
+  pure subroutine set_phase(u, length, shape)
     real(dp), intent(in) :: u(:, :, :), length
     complex(dp), allocatable, intent(out) :: shape(:, :)
     complex(dp) :: total
@@ -293,10 +283,10 @@ contains
       end do
     end do
     shape = shape*(conjg(total)/abs(total)/length)
-  end subroutine take_shape
+  end subroutine set_phase
 
   !> Prepares the pencil for nodal diameter `diameter`, 0 to half the number of sectors. `cyclic` must exist as long.
-  subroutine take_diameter(cyclic, diameter, pencil, error)
+  subroutine prepare_diameter(cyclic, diameter, pencil, error)
     type(cyclic_t), intent(in), target :: cyclic
     integer, intent(in) :: diameter
     type(diameter_t), intent(inout) :: pencil
@@ -319,7 +309,7 @@ contains
       call end_products()
     end associate
     if (info /= 0) call fail(error, code_numerical, 'the stiffness of nodal diameter '//str(diameter)//' is not positive definite')
-  end subroutine take_diameter
+  end subroutine prepare_diameter
 
   !> Replaces x by (K + shift M)^-1 x.
   subroutine solve_stiffness(pencil, x, error)

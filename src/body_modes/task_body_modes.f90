@@ -5,7 +5,7 @@ module gearsweep_body_modes_task_body_modes
   use gearsweep_study, only: is_prescribed, gear_names, needs_gears, reader_t, runnable_t, sentence_length, stage, stages_t, &
     task_info_t, unless
   use gearsweep_body_modes_body_modes, only: body_modes_t, body_options_t, find_body_modes, name_length, name_of
-  use gearsweep_body_modes_sector, only: blank_t, sector_t
+  use gearsweep_body_modes_sector, only: gear_blank_t, sector_t
   use gearsweep_body_modes_sector_modes, only: axial, radial, sector_mode_t
   implicit none
   private
@@ -90,52 +90,50 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(body_options_t) :: options
     type(body_modes_t) :: found
-    integer :: shapes
+    integer :: shapes, i
 
     options = self%options
     associate (inputs => stages%solid_inputs)
-      options%blank = blank_t(inputs%web, inputs%rim, self%hub_radius)
+      options%blank = gear_blank_t(inputs%web, inputs%rim, self%hub_radius)
       call find_body_modes(inputs%gear, inputs%material, options, stages%accuracy%steady%stop, found, error)
     end associate
     if (allocated(error) .or. .not. allocated(found%modes)) return
     shapes = min(self%shapes, size(found%modes))
-    call fill_body(found, trim(gear_names(stages%gear)), self%tables(self%place('gear_body')), error)
+    associate (table => self%tables(self%place('gear_body')))
+      call table%begin('the gear as a body, and the grid of half a tooth sector', 1, error)
+      if (allocated(error)) return
+      call table%add_words('gear', 'pinion or gear', [trim(gear_names(stages%gear))])
+      call table%add('mass_kg', 'kg', 'mass', [found%mass])
+      call table%add('polar_inertia_kgm2', 'kg*m**2', 'moment of inertia about the axis', [found%inertia])
+      call table%add('rigid_motions', '', 'motions as a rigid body that the bore leaves; they are not among the modes', &
+                     [found%rigid])
+      call table%add('sectors', '', 'tooth sectors', [found%sector%sectors])
+      call table%add('nodes', '', 'nodes of the grid, three displacements each', [size(found%sector%x, 2)])
+      call table%add('elements', '', 'its bricks', [size(found%sector%element, 2)])
+    end associate
     call fill_modes(found, self%tables(self%place('body_modes')), error)
     associate (teeth => stages%pair%gear%spec%teeth)
       call fill_speeds(found%modes, teeth(stages%gear), teeth(1), self%harmonics, self%tables(self%place('body_campbell')), error)
     end associate
-    call fill_nodes(found%sector, self%tables(self%place('body_nodes')), error)
+    associate (table => self%tables(self%place('body_nodes')), front => found%sector%front, x => found%sector%x)
+      call table%over('nodes on the front of the tooth sector', error, axis('node', '', of_node, [(i, i=1, size(front))]))
+      if (allocated(error)) return
+      call table%add('x_mm', 'mm', 'across the tooth', [x(1, front)])
+      call table%add('y_mm', 'mm', 'along the tooth, from the axis of the gear', [x(2, front)])
+      call table%add('z_mm', 'mm', 'along the axis of the gear, from the middle plane', [x(3, front)])
+    end associate
     call fill_elements(found%sector, self%tables(self%place('body_elements')), error)
     call fill_shapes(found%modes(:shapes), self%tables(self%place('body_shapes')), error)
     self%is_done = .not. allocated(error)
     self%log = 'body_modes: '//str(size(found%modes))//' modes'
   end subroutine run
 
-  pure subroutine fill_body(found, gear, table, error)
-    type(body_modes_t), intent(in) :: found
-    character(*), intent(in) :: gear
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-
-    if (allocated(error)) return
-    call table%begin('the gear as a body, and the grid of half a tooth sector', 1, error)
-    if (allocated(error)) return
-    call table%add_words('gear', 'pinion or gear', [gear])
-    call table%add('mass_kg', 'kg', 'mass', [found%mass])
-    call table%add('polar_inertia_kgm2', 'kg*m**2', 'moment of inertia about the axis', [found%inertia])
-    call table%add('rigid_motions', '', 'motions as a rigid body that the bore leaves; they are not among the modes', &
-                   [found%rigid])
-    call table%add('sectors', '', 'tooth sectors', [found%sector%sectors])
-    call table%add('nodes', '', 'nodes of the grid, three displacements each', [size(found%sector%x, 2)])
-    call table%add('elements', '', 'its bricks', [size(found%sector%element, 2)])
-  end subroutine fill_body
-
   pure subroutine fill_modes(found, table, error)
     type(body_modes_t), intent(in) :: found
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     character(name_length) :: names(size(found%modes))
-    integer :: i
+    integer :: i, k
 
     if (allocated(error)) return
     associate (modes => found%modes, n => size(found%modes))
@@ -153,17 +151,10 @@ contains
       call table%add('residual', '', 'residual of the eigenvalue problem, relative', [modes%residual])
       do i = radial, axial
         call table%add(trim(directions(i))//'_share', '', 'kinetic energy of the '//trim(directions(i))// &
-                       ' motion over the whole', shares(modes, i))
+                       ' motion over the whole', [(modes(k)%share(i), k=1, n)])
       end do
     end associate
   end subroutine fill_modes
-
-  elemental real(dp) function shares(mode, direction)
-    type(sector_mode_t), intent(in) :: mode
-    integer, intent(in) :: direction
-
-    shares = mode%share(direction)
-  end function shares
 
   !> Fills the speeds of resonance. The load is fixed in space while the gear rotates through it, so that harmonic k of the mesh
   !> frequency excites a mode of n nodal diameters k z + n and k z - n times per revolution of the gear with z teeth, and the steady
@@ -200,23 +191,6 @@ contains
     call table%add('rpm', '1/min', 'speed of the pinion at which these meet it', &
                    [(60*modes(mode(i))%frequency*teeth/pinion_teeth/per_turn(i), i=1, n)])
   end subroutine fill_speeds
-
-  !> Fills the nodes of the sector on its front.
-  pure subroutine fill_nodes(sector, table, error)
-    type(sector_t), intent(in) :: sector
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    if (allocated(error)) return
-    associate (n => size(sector%front), x => sector%x(:, sector%front))
-      call table%over('nodes on the front of the tooth sector', error, axis('node', '', of_node, [(i, i=1, n)]))
-      if (allocated(error)) return
-      call table%add('x_mm', 'mm', 'across the tooth', [x(1, :)])
-      call table%add('y_mm', 'mm', 'along the tooth, from the axis of the gear', [x(2, :)])
-      call table%add('z_mm', 'mm', 'along the axis of the gear, from the middle plane', [x(3, :)])
-    end associate
-  end subroutine fill_nodes
 
   !> Fills the elements: corners anticlockwise, then the midsides in the same order.
   pure subroutine fill_elements(sector, table, error)

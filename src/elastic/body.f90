@@ -1,6 +1,6 @@
 !> An elastic body: a grid with its material, supports and factored stiffness.
 module gearsweep_elastic_body
-  use gearsweep_base, only: claim_memory, code_input, dp, error_t, factor, fail, sparse_t, str
+  use gearsweep_base, only: claim_memory, code_input, dp, elements_t, error_t, factor, fail, sparse_t, str
   use gearsweep_elastic_grid, only: grid_t
   use gearsweep_elastic_material, only: check_material, material_t
   use gearsweep_elastic_q8, only: element_mass, element_stiffness, nodes_per_element
@@ -40,40 +40,44 @@ contains
     real(dp), intent(in) :: thickness, most_bytes
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
-    integer, allocatable :: first(:), at(:)
-    real(dp), allocatable :: values(:)
+    type(elements_t) :: matrices
     character(:), allocatable :: what
+    real(dp) :: law(3)
+    integer :: n, d, e
 
     call body%stiffness%free()
-    call check(grid, material, thickness, held, error)
-    ! Memory of the body's own grid, and of the numbers of its unknowns.
-    call claim_memory(40.0_dp*size(held, 2) + 4.0_dp*size(grid%node) + 40.0_dp*size(grid%element, 2), &
-                      'elements across a tooth: the grid with '//str(size(held, 2))//' nodes', error)
+    call check_material(material, error)
+    if (.not. thickness > 0) call fail(error, code_input, 'face width: must be above 0')
+    if (.not. excludes_rigid_motion(grid%x, held)) call fail(error, code_input, &
+      'support of the section: the section is not held; must be at the ''sides'' (of a sector) or the ''rim'' (or bore)')
     if (allocated(error)) return
     body%grid = grid
     body%material = material
     body%plane_strain = plane_strain
     body%thickness = thickness
-    call number_unknowns(held, body%equation, body%unknowns)
+    if (allocated(body%equation)) deallocate (body%equation)
+    allocate (body%equation(2, size(held, 2)), source=0)
+    body%unknowns = 0
+    do n = 1, size(held, 2)
+      do d = 1, 2
+        if (held(d, n)) cycle
+        body%unknowns = body%unknowns + 1
+        body%equation(d, n) = body%unknowns
+      end do
+    end do
     what = 'elements across a tooth: the grid with '//str(body%unknowns)//' unknowns'
     call claim_memory(size(grid%element, 2)*(8.0_dp*triangle + 4.0_dp*(2*nodes_per_element + 1)), what, error)
     if (allocated(error)) return
-    call collect(body, first, at, values)
-    call factor(body%unknowns, first, at, values, most_bytes, what, body%stiffness, error)
+    call matrices%begin(size(grid%element, 2), 2*nodes_per_element)
+    law = thickness*elastic_law(material, plane_strain)
+    do e = 1, size(grid%element, 2)
+      associate (nodes => grid%element(:, e))
+        call matrices%add(reshape(body%equation(:, nodes), [2*nodes_per_element]), element_stiffness(grid%x(:, nodes), law))
+      end associate
+    end do
+    call matrices%finish()
+    call factor(body%unknowns, matrices%first, matrices%at, matrices%values, most_bytes, what, body%stiffness, error)
   end subroutine make_body
-
-  subroutine check(grid, material, thickness, held, error)
-    type(grid_t), intent(in) :: grid
-    type(material_t), intent(in) :: material
-    real(dp), intent(in) :: thickness
-    logical, intent(in) :: held(:, :)
-    type(error_t), allocatable, intent(inout) :: error
-
-    call check_material(material, error)
-    if (.not. thickness > 0) call fail(error, code_input, 'face width: must be above 0')
-    if (.not. excludes_rigid_motion(grid%x, held)) call fail(error, code_input, &
-      'support of the section: the section is not held; must be at the ''sides'' (of a sector) or the ''rim'' (or bore)')
-  end subroutine check
 
   !> True if the held displacements exclude rigid motion: their matrix of two translations and a rotation has rank 3.
   pure logical function excludes_rigid_motion(x, held) result(safe)
@@ -100,23 +104,6 @@ contains
     end associate
   end function excludes_rigid_motion
 
-  pure subroutine number_unknowns(held, equation, unknowns)
-    logical, intent(in) :: held(:, :)
-    integer, allocatable, intent(out) :: equation(:, :)
-    integer, intent(out) :: unknowns
-    integer :: n, d
-
-    allocate (equation(2, size(held, 2)), source=0)
-    unknowns = 0
-    do n = 1, size(held, 2)
-      do d = 1, 2
-        if (held(d, n)) cycle
-        unknowns = unknowns + 1
-        equation(d, n) = unknowns
-      end do
-    end do
-  end subroutine number_unknowns
-
   !> Constants c11, c12 and c33 of the plane law (Pa).
   pure function elastic_law(material, plane_strain) result(c)
     type(material_t), intent(in) :: material
@@ -132,44 +119,6 @@ contains
       c(3) = e/(2*(1 + nu))
     end associate
   end function elastic_law
-
-  !> Collects the stiffness in the form of `factor`: of each element the unknowns that are not held, and its lower triangle.
-  pure subroutine collect(body, first, at, values)
-    type(body_t), intent(in) :: body
-    integer, allocatable, intent(out) :: first(:), at(:)
-    real(dp), allocatable, intent(out) :: values(:)
-    real(dp) :: k(2*nodes_per_element, 2*nodes_per_element), law(3)
-    integer :: list(2*nodes_per_element), e, i, j, elements, unknowns, entries
-
-    elements = size(body%grid%element, 2)
-    allocate (first(elements + 1), at(2*nodes_per_element*elements), values(triangle*elements))
-    law = body%thickness*elastic_law(body%material, body%plane_strain)
-    elements = 0
-    unknowns = 0
-    entries = 0
-    first(1) = 1
-    do e = 1, size(body%grid%element, 2)
-      k = element_stiffness(body%grid%x(:, body%grid%element(:, e)), law)
-      list = reshape(body%equation(:, body%grid%element(:, e)), [2*nodes_per_element])
-      do j = 1, size(list)
-        if (list(j) == 0) cycle
-        unknowns = unknowns + 1
-        at(unknowns) = list(j)
-        do i = j, size(list)
-          if (list(i) == 0) cycle
-          entries = entries + 1
-          values(entries) = k(i, j)
-        end do
-      end do
-      ! An element with all nodes held is omitted.
-      if (unknowns + 1 > first(elements + 1)) then
-        elements = elements + 1
-        first(elements + 1) = unknowns + 1
-      end if
-    end do
-    first = first(:elements + 1)
-    at = at(:unknowns)
-  end subroutine collect
 
   !> Converts unknowns to displacements of all nodes (2, nodes).
   pure function spread_out(body, x) result(u)

@@ -68,34 +68,6 @@ contains
     at_far = body%thickness*at_far
   end subroutine deflection_at_depth
 
-  !> Computes the same displacements for a unit line load on the tip corner at `radius` (m), each with its own `tilt` (rad) from
-  !> the flank's normal towards the tip land's, along the load.
-  subroutine corner_deflection(section, body, radius, depth, tilt, at_near, at_far, error)
-    type(section_t), intent(in) :: section
-    type(body_t), intent(in) :: body
-    real(dp), intent(in) :: radius, depth, tilt(:)
-    real(dp), intent(out) :: at_near(:), at_far(:)
-    type(error_t), allocatable, intent(out) :: error
-    real(dp), allocatable :: x(:, :), both(:)
-    integer :: i
-
-    call claim_memory(32.0_dp*body%unknowns, 'corner contact: the tip corner on '//str(body%unknowns)//' unknowns', error)
-    if (allocated(error)) return
-    allocate (x(body%unknowns, 2), source=0.0_dp)
-    call flank_load(section, body, radius, x(:, 1), error)
-    if (.not. allocated(error)) call flank_load(section, body, radius, x(:, 2), error, tilt=pi/2)
-    if (.not. allocated(error)) call body%stiffness%solve(x, error)
-    if (allocated(error)) return
-    do i = 1, size(tilt)
-      both = x(:, 1)*cos(tilt(i)) + x(:, 2)*sin(tilt(i))
-      call read_depth(section, body, radius, depth, both, at_near(i), error, tilt(i))
-      if (.not. allocated(error)) call read_depth(section, body, radius, 2*depth, both, at_far(i), error, tilt(i))
-      if (allocated(error)) return
-    end do
-    at_near = body%thickness*at_near
-    at_far = body%thickness*at_far
-  end subroutine corner_deflection
-
   !> Finds the point and the unit vector of a load on a tooth's drive flank: by default on the loaded tooth and along the flank's
   !> normal, optionally on another `tooth` or with a `tilt` (rad) towards the root.
   pure subroutine load_line(section, radius, point, direction, tooth, tilt)
@@ -125,7 +97,7 @@ contains
     integer, intent(in), optional :: tooth
     real(dp), intent(in), optional :: tilt
     real(dp) :: point(2), direction(2), share(3), local
-    integer :: nodes(3), on
+    integer :: nodes(3), on, i, d
 
     on = section%loaded
     if (present(tooth)) on = tooth
@@ -138,7 +110,13 @@ contains
     end if
     call load_line(section, radius, point, direction, on, tilt)
     share = edge_functions(local)
-    call add_force(body, nodes, share, direction, x)
+    do i = 1, size(nodes)
+      do d = 1, 2
+        associate (at => body%equation(d, nodes(i)))
+          if (at > 0) x(at) = x(at) + share(i)*direction(d)
+        end associate
+      end do
+    end do
   end subroutine flank_load
 
   !> Finds the edge of a tooth's drive flank that contains `radius`, and the place on it in [-1, 1].
@@ -201,22 +179,6 @@ contains
       end do
     end do
   end subroutine read_depth
-
-  pure subroutine add_force(body, nodes, share, force, x)
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: nodes(:)
-    real(dp), intent(in) :: share(:), force(2)
-    real(dp), intent(inout) :: x(:)
-    integer :: i, d
-
-    do i = 1, size(nodes)
-      do d = 1, 2
-        associate (at => body%equation(d, nodes(i)))
-          if (at > 0) x(at) = x(at) + share(i)*force(d)
-        end associate
-      end do
-    end do
-  end subroutine add_force
 
   !> Computes `disc` of a section of two teeth or more under a unit line load (m2/N), over radii of curvature of the drive flank
   !> from `first` to `last` (m): over the interval where two teeth touch, by Gauss's rule. A section of one tooth has no neighbour
@@ -324,7 +286,8 @@ contains
     curvature = [(sin(pi/2*i/(n - 1)), i=0, n - 1)]
     curvature = first + (last - first)*curvature
     radius = min(hypot(gear%base_radius(drive), curvature), gear%tip_radius)
-    depth = smaller(options%depth*gear%spec%module, 0.35_dp*chord(gear, radius))
+    ! The smaller of two lengths, rounded off so that the depth has no kink.
+    depth = ((options%depth*gear%spec%module)**(-8) + (0.35_dp*chord(gear, radius))**(-8))**(-0.125_dp)
     call deflection_at_depth(section, body, radius, depth, 2*depth, near, far, error)
     if (allocated(error)) return
     if (section%grid%closed .or. options%tooth_coupling) call disc_compliance(section, body, first, last, tooth%disc, error)
@@ -335,7 +298,9 @@ contains
     if (.not. (options%tooth_coupling .and. tooth%disc%shared > 0)) tooth%disc = disc_t(turn=tooth%disc%turn)
     near = near + surface_to_depth(material, options%section%plane_strain, gear%spec%module, depth)
     far = far + surface_to_depth(material, options%section%plane_strain, gear%spec%module, 2*depth)
-    tooth%compliance = spline(curvature, 2*near - far + offset(material, options%section%plane_strain) - tooth%disc%turn)
+    ! The constant of the half plane is counted once with the flattening.
+    tooth%compliance = spline(curvature, 2*near - far - surface_to_depth(material, options%section%plane_strain, 1.0_dp, 1.0_dp) &
+                                         - tooth%disc%turn)
   end subroutine tooth_compliance
 
   !> Computes the compliance of the tip corner under loads of all tilts.
@@ -347,10 +312,23 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), dimension(tilts) :: tilt, lever, near, far
     integer :: i
+    real(dp), allocatable :: x(:, :), both(:)
 
     tilt = [(most_tilt*i/(tilts - 1), i=0, tilts - 1)]
-    call corner_deflection(section, body, radius, depth, tilt, near, far, error)
+    ! Displacements for loads along the flank normal and across it; each tilted load is a combination of both.
+    allocate (x(body%unknowns, 2), source=0.0_dp)
+    call flank_load(section, body, radius, x(:, 1), error)
+    if (.not. allocated(error)) call flank_load(section, body, radius, x(:, 2), error, tilt=pi/2)
+    if (.not. allocated(error)) call body%stiffness%solve(x, error)
     if (allocated(error)) return
+    do i = 1, size(tilt)
+      both = x(:, 1)*cos(tilt(i)) + x(:, 2)*sin(tilt(i))
+      call read_depth(section, body, radius, depth, both, near(i), error, tilt(i))
+      if (.not. allocated(error)) call read_depth(section, body, radius, 2*depth, both, far(i), error, tilt(i))
+      if (allocated(error)) return
+    end do
+    near = body%thickness*near
+    far = body%thickness*far
     ! Lever arm of a tilted load over the base radius: the gear body rotates under its couple, which reduces the corner's motion.
     associate (angle => acos(min(1.0_dp, section%gear%base_radius(drive)/radius)))
       lever = cos(angle + tilt)/cos(angle)
@@ -368,19 +346,4 @@ contains
     angle = gear%half_angle(drive, radius)
     chord = 2*radius*sin(angle)/cos(acos(min(1.0_dp, gear%base_radius(drive)/radius)) - angle)
   end function chord
-
-  !> Smaller of two lengths, rounded off so that it has no kink.
-  elemental real(dp) function smaller(a, b)
-    real(dp), intent(in) :: a, b
-
-    smaller = (a**(-8) + b**(-8))**(-0.125_dp)
-  end function smaller
-
-  !> Constant of the half plane, which is counted once with the flattening.
-  elemental real(dp) function offset(material, plane_strain)
-    type(material_t), intent(in) :: material
-    logical, intent(in) :: plane_strain
-
-    offset = -surface_to_depth(material, plane_strain, 1.0_dp, 1.0_dp)
-  end function offset
 end module gearsweep_elastic_compliance

@@ -38,12 +38,29 @@ contains
     logical, intent(in) :: closed
     type(grid_t), intent(out) :: grid
     type(error_t), allocatable, intent(out) :: error
-    integer :: nodes
+    integer :: nodes, i, j, c, r, e, k
+    integer, parameter :: di(8) = [0, 2, 2, 0, 1, 2, 1, 0], dj(8) = [0, 0, 2, 2, 0, 1, 2, 1]
 
     grid%closed = closed
     call number_nodes(part, closed, grid%node, nodes)
-    call place_nodes(points, grid%node, nodes, grid%x)
-    call collect_elements(part, grid)
+    allocate (grid%x(2, nodes))
+    do j = ubound(grid%node, 2), 0, -1
+      do i = ubound(grid%node, 1), 0, -1
+        if (grid%node(i, j) > 0) grid%x(:, grid%node(i, j)) = points(:, i, j)
+      end do
+    end do
+    allocate (grid%element(nodes_per_element, count(part /= no_element)))
+    grid%part = pack(part, part /= no_element)
+    e = 0
+    do r = 1, size(part, 2)
+      do c = 1, size(part, 1)
+        if (part(c, r) == no_element) cycle
+        e = e + 1
+        do k = 1, nodes_per_element
+          grid%element(k, e) = grid%node(2*c - 2 + di(k), 2*r - 2 + dj(k))
+        end do
+      end do
+    end do
     if (.not. grid%quality() > 0) call fail(error, code_numerical, &
       'the grid is folded: smallest scaled Jacobian '//str(grid%quality()))
   end subroutine make_grid
@@ -92,40 +109,6 @@ contains
       end do
     end function occupied
   end subroutine number_nodes
-
-  subroutine place_nodes(points, node, nodes, x)
-    real(dp), intent(in) :: points(:, 0:, 0:)
-    integer, intent(in) :: node(0:, 0:), nodes
-    real(dp), allocatable, intent(out) :: x(:, :)
-    integer :: i, j
-
-    allocate (x(2, nodes))
-    do j = ubound(node, 2), 0, -1
-      do i = ubound(node, 1), 0, -1
-        if (node(i, j) > 0) x(:, node(i, j)) = points(:, i, j)
-      end do
-    end do
-  end subroutine place_nodes
-
-  subroutine collect_elements(part, grid)
-    integer, intent(in) :: part(:, :)
-    type(grid_t), intent(inout) :: grid
-    integer, parameter :: di(8) = [0, 2, 2, 0, 1, 2, 1, 0], dj(8) = [0, 0, 2, 2, 0, 1, 2, 1]
-    integer :: c, r, e, k
-
-    allocate (grid%element(nodes_per_element, count(part /= no_element)))
-    grid%part = pack(part, part /= no_element)
-    e = 0
-    do r = 1, size(part, 2)
-      do c = 1, size(part, 1)
-        if (part(c, r) == no_element) cycle
-        e = e + 1
-        do k = 1, nodes_per_element
-          grid%element(k, e) = grid%node(2*c - 2 + di(k), 2*r - 2 + dj(k))
-        end do
-      end do
-    end do
-  end subroutine collect_elements
 
   !> Builds the grid of a straight-sided quadrilateral body, in metres, corners anticlockwise (2, 4), with equal steps along its
   !> sides and no rim or teeth.
@@ -202,38 +185,30 @@ contains
     integer, intent(in) :: part
     integer, intent(out) :: element
     real(dp), intent(out) :: local(2)
-    real(dp) :: corners(2, nodes_per_element), margin(2)
-    integer :: e
+    real(dp) :: corners(2, nodes_per_element), margin(2), slope(2, 2), gap(2), step(2)
+    integer :: e, k
 
     do e = 1, size(grid%element, 2)
       if (grid%part(e) /= part) cycle
       corners = grid%x(:, grid%element(:, e))
       margin = 0.1_dp*(maxval(corners, 2) - minval(corners, 2))
       if (any(point < minval(corners, 2) - margin) .or. any(point > maxval(corners, 2) + margin)) cycle
-      local = local_of(corners, point)
+      ! Newton iteration on the map of the element.
+      local = 0
+      do k = 1, 20
+        gap = point - matmul(corners, shape_functions(local))
+        slope = jacobian(corners, local)
+        step = [slope(2, 2)*gap(1) - slope(1, 2)*gap(2), slope(1, 1)*gap(2) - slope(2, 1)*gap(1)] &
+               /(slope(1, 1)*slope(2, 2) - slope(1, 2)*slope(2, 1))
+        local = max(-2.0_dp, min(2.0_dp, local + step))
+        if (maxval(abs(step)) < 1e-13_dp) exit
+      end do
       element = e
       if (all(abs(local) <= 1 + 1e-6_dp)) return
     end do
     element = 0
     local = 0
   end subroutine find
-
-  !> Finds local coordinates by Newton's method on the element's map.
-  pure function local_of(corners, point) result(local)
-    real(dp), intent(in) :: corners(2, nodes_per_element), point(2)
-    real(dp) :: local(2), j(2, 2), gap(2), step(2)
-    integer :: k
-
-    local = 0
-    do k = 1, 20
-      gap = point - matmul(corners, shape_functions(local))
-      j = jacobian(corners, local)
-      step = [j(2, 2)*gap(1) - j(1, 2)*gap(2), j(1, 1)*gap(2) - j(2, 1)*gap(1)] &
-             /(j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1))
-      local = max(-2.0_dp, min(2.0_dp, local + step))
-      if (maxval(abs(step)) < 1e-13_dp) exit
-    end do
-  end function local_of
 
   !> Area (m2) of the elements.
   pure real(dp) function area(grid)

@@ -21,7 +21,7 @@ module gearsweep_elastic_modal_response
     real(dp), allocatable :: force(:, :)         !< force on each mode by a unit load at each place (mode, place)
     real(dp), allocatable :: static(:, :)        !< static response of each row to a unit load at each place (row, place)
     !> Rayleigh's quotient of the static displacements under a unit load at each place that the modes omit, rad/s; (place)
-    real(dp), allocatable :: rest_frequency(:)
+    real(dp), allocatable :: residual_frequency(:)
   end type modal_model_t
 
   !> Load in time. Between two of its points it changes linearly in time; two points at one time are a jump.
@@ -45,7 +45,7 @@ module gearsweep_elastic_modal_response
   integer, parameter :: block_size = 64
   !> Damping ratio of the omitted part: it consists of many modes, whose oscillations get out of phase and cancel within about one
   !> cycle, even with little damping of each.
-  real(dp), parameter :: rest_damping = 0.5_dp
+  real(dp), parameter :: residual_damping = 0.5_dp
 
 contains
 
@@ -59,16 +59,16 @@ contains
     complex(dp) :: amplitude(size(rows))
     complex(dp) :: modal(size(model%frequency))
 
-    modal = model%force(:, place)*beyond_rest(model%frequency, model%damping, angular)
+    modal = model%force(:, place)*beyond_static(model%frequency, model%damping, angular)
     amplitude = model%static(rows, place) + matmul(model%shape(rows, :), modal)
   end function response_to
 
   !> Difference 1/(w^2 - a^2 + i c a) - 1/w^2, as one fraction: both are equal but for rounding where a is small.
-  elemental complex(dp) function beyond_rest(w, c, angular)
+  elemental complex(dp) function beyond_static(w, c, angular)
     real(dp), intent(in) :: w, c, angular
 
-    beyond_rest = cmplx(angular, -c, dp)*(angular/w**2)/cmplx((w - angular)*(w + angular), c*angular, dp)
-  end function beyond_rest
+    beyond_static = cmplx(angular, -c, dp)*(angular/w**2)/cmplx((w - angular)*(w + angular), c*angular, dp)
+  end function beyond_static
 
   !> Frequency of the largest amplitude of a row near mode number `mode`, rad/s: within four bandwidths c of the mode and not
   !> beyond the middles to its neighbours. All modes are damped.
@@ -142,7 +142,7 @@ contains
   !>
   !> `recorded(:)`: rows whose values are stored at each sample. `sample(:)`: times, ascending, from the history's first. `finer`:
   !> number of equal steps between two samples in the search for the largest values. `corrected`: with the static correction,
-  !> which needs `rest_frequency`. `error`: memory is too small.
+  !> which needs `residual_frequency`. `error`: memory is too small.
   subroutine superpose(model, history, recorded, sample, finer, corrected, record, error)
     type(modal_model_t), intent(in) :: model
     type(load_history_t), intent(in) :: history
@@ -163,7 +163,7 @@ contains
                         'the motion of a tooth under a moving load', error)
       if (allocated(error)) return
       whole = model
-      if (corrected) call add_rest(whole)
+      if (corrected) call add_residual_modes(whole)
       allocate (weighted, source=history%weight*spread(history%load, 1, places))
       allocate (force, source=matmul(whole%force, weighted))
       allocate (static, source=matmul(model%static, weighted))
@@ -228,25 +228,25 @@ contains
   end subroutine superpose
 
   !> Adds the omitted part of a load at each place as one more oscillator, so that the static response is exact.
-  pure subroutine add_rest(model)
+  pure subroutine add_residual_modes(model)
     type(modal_model_t), intent(inout) :: model
     real(dp), allocatable :: rest(:, :), force(:, :)
     integer :: modes, i
 
     modes = size(model%frequency)
     allocate (rest, source=model%static - matmul(model%shape/spread(model%frequency**2, 1, size(model%shape, 1)), model%force))
-    associate (w => model%rest_frequency)
+    associate (w => model%residual_frequency)
       allocate (force(modes + size(w), size(w)), source=0.0_dp)
       force(:modes, :) = model%force
       do i = 1, size(w)
         force(modes + i, i) = w(i)**2
       end do
       model%frequency = [model%frequency, w]
-      model%damping = [model%damping, 2*rest_damping*w]
+      model%damping = [model%damping, 2*residual_damping*w]
     end associate
     model%shape = reshape([model%shape, rest], [size(rest, 1), size(force, 1)])
     call move_alloc(force, model%force)
-  end subroutine add_rest
+  end subroutine add_residual_modes
 
   !> Advances the modes from `now` to the time `until`, through the points of the history between; `piece` is the one that ends
   !> there.
@@ -287,29 +287,19 @@ contains
     value = values(:, piece)*(1 - share) + values(:, piece + 1)*share
   end function between
 
-  !> Integrates a mode over the time `h` (s) under a force that changes linearly from `before` to `behind`: p" + c p' + w^2 p =
+  !> Integrates a mode over the time `h` (s) under a force that changes linearly from `before` to `after`: p" + c p' + w^2 p =
   !> force, in closed form. `p`, `v`: the modal coordinate and its rate, updated.
-  elemental subroutine advance_mode(w, c, h, before, behind, p, v)
-    real(dp), intent(in) :: w, c, h, before, behind
+  elemental subroutine advance_mode(w, c, h, before, after, p, v)
+    real(dp), intent(in) :: w, c, h, before, after
     real(dp), intent(inout) :: p, v
-    real(dp) :: even, odd, rate, rest, rest_rate
+    real(dp) :: even, odd, rate, rest, rest_rate, square, d, fast, slow
+    real(dp), parameter :: small = 1e-3_dp
 
-    rate = (behind - before)/h/w**2
+    rate = (after - before)/h/w**2
     ! The transient part (total minus quasi-static) decays as free vibration.
     rest = p - (before/w**2 - c*rate/w**2)
     rest_rate = v - rate
-    call free_motion(w, c, h, even, odd)
-    p = (even + c/2*odd)*rest + odd*rest_rate + behind/w**2 - c*rate/w**2
-    v = (even - c/2*odd)*rest_rate - w**2*odd*rest + rate
-  end subroutine advance_mode
-
-  !> Computes exp(-c h/2) times cos(d h) and sin(d h)/d with d^2 = w^2 - (c/2)^2 of either sign.
-  elemental subroutine free_motion(w, c, h, even, odd)
-    real(dp), intent(in) :: w, c, h
-    real(dp), intent(out) :: even, odd
-    real(dp), parameter :: small = 1e-3_dp
-    real(dp) :: square, d, fast, slow
-
+    ! exp(-c h/2) times cos(d h) and sin(d h)/d with d^2 = w^2 - (c/2)^2 of either sign.
     square = (w - c/2)*(w + c/2)
     d = sqrt(abs(square))
     if (d*h < small) then
@@ -328,5 +318,7 @@ contains
       even = (slow + fast)/2
       odd = (slow - fast)/(2*d)
     end if
-  end subroutine free_motion
+    p = (even + c/2*odd)*rest + odd*rest_rate + after/w**2 - c*rate/w**2
+    v = (even - c/2*odd)*rest_rate - w**2*odd*rest + rate
+  end subroutine advance_mode
 end module gearsweep_elastic_modal_response

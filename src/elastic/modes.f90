@@ -160,6 +160,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(body_pencil_t) :: pencil
     real(dp), allocatable :: masses(:, :, :), values(:), vectors(:, :)
+    real(dp) :: others
 
     if (count < 1 .or. 2*count + 2 > body%unknowns) then
       call fail(error, code_input, 'number of modes = '//str(count)//': must lie between 1 and '// &
@@ -170,7 +171,11 @@ contains
       call fail(error, code_input, 'density: must be above 0')
       return
     end if
-    call claim_modes(body, count, error)
+    ! Memory of ARPACK, of the modes in several forms, and of the element masses.
+    others = 8.0_dp*body%unknowns*(5*count + 20) + 16.0_dp*size(body%grid%x, 2)*(7*count + 10) &
+             + 1300.0_dp*size(body%grid%element, 2)
+    if (body%grid%closed) others = 2*others
+    call claim_memory(work_bytes(body%unknowns, count) + others, 'number of modes = '//str(count), error, blas=.true.)
     if (allocated(error)) return
     pencil%n = body%unknowns
     pencil%body => body
@@ -184,19 +189,6 @@ contains
     if (allocated(error)) return
     call describe(body, pencil, masses, values, vectors, modes)
   end subroutine find_modes
-
-  !> Claims memory for ARPACK, the modes in several forms, and the elements' masses.
-  subroutine claim_modes(body, count, error)
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: count
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: others
-
-    others = 8.0_dp*body%unknowns*(5*count + 20) + 16.0_dp*size(body%grid%x, 2)*(7*count + 10) &
-             + 1300.0_dp*size(body%grid%element, 2)
-    if (body%grid%closed) others = 2*others
-    call claim_memory(work_bytes(body%unknowns, count) + others, 'number of modes = '//str(count), error, blas=.true.)
-  end subroutine claim_modes
 
   !> Finds the modes of a complete gear: if all its teeth are alike, most of its frequencies come in pairs, of which an iteration
   !> finds one. So it is repeated, orthogonal to the shapes found, until it finds none below the last one wanted.
@@ -320,23 +312,21 @@ contains
     integer, intent(in) :: count
     type(modal_t), intent(out) :: product
     type(error_t), allocatable, intent(out) :: error
+    real(dp) :: excess
+    integer :: k
 
     product%section = grids(1)%section
     call modes_of(grids(1), count, product%modes, error)
     if (allocated(error)) return
     call modes_of(grids(2), count, product%coarse, error)
     if (allocated(error)) return
-    product%error_estimate = outline_error(product%section) &
+    ! Excess area of the fillets of the grid: a change of mass changes frequencies by about as much.
+    associate (section => product%section)
+      excess = abs(sum([(fillet_excess(section%gear, section%across(k)), k=1, size(section%across))]))/section%grid%area()
+    end associate
+    product%error_estimate = excess &
                              + estimated_errors(product%modes%frequency, product%coarse%frequency, mean_step_ratio(grids))
   end subroutine section_modes
-
-  !> Excess area of the fillets of the grid, relative to its area: a change of mass changes frequencies by about as much.
-  pure real(dp) function outline_error(section)
-    type(section_t), intent(in) :: section
-    integer :: k
-
-    outline_error = abs(sum([(fillet_excess(section%gear, section%across(k)), k=1, size(section%across))]))/section%grid%area()
-  end function outline_error
 
   !> Relative errors of `frequency(:)` (Hz), ascending, from those of a grid whose elements are `step_ratio` times as large: their
   !> difference over the ratio's square minus one. Second order is between the fourth of smooth fields and about 1.5 of the

@@ -76,15 +76,22 @@ contains
     integer, intent(in) :: side
     real(dp), intent(in) :: axis, ray
     real(dp), allocatable :: run(:, :)
-    real(dp) :: reach, first, last, angle
+    real(dp) :: reach, first, last, angle, p(2)
     integer :: land, i, n
+    type(bracket_t) :: beta
 
     reach = abs(ray - axis)
     first = block%split(side)
     last = pi/2
     land = 0
     if (reach < root_angle(gear, side)*(1 - 1e-9_dp)) then
-      last = parameter_at(gear, side, first, reach)
+      ! Parameter of the fillet at this angle from the tooth axis, by bisection.
+      beta = bracket_t(first, pi/2)
+      do while (beta%is_open())
+        p = fillet_point(gear, side, beta%middle())
+        call beta%halve(atan2(p(1), p(2)) < reach)
+      end do
+      last = beta%middle()
     else if (reach > root_angle(gear, side)*(1 + 1e-9_dp)) then
       land = max(1, nint(block%across*gear%root_radius*(reach - root_angle(gear, side))/block%width))
     end if
@@ -102,22 +109,6 @@ contains
     run = turned(run, axis)
   end function fillet_run
 
-  !> Parameter of the fillet at the angle `reach` from the tooth axis, by bisection.
-  pure real(dp) function parameter_at(gear, side, first, reach)
-    type(gear_t), intent(in) :: gear
-    integer, intent(in) :: side
-    real(dp), intent(in) :: first, reach
-    type(bracket_t) :: beta
-    real(dp) :: p(2)
-
-    beta = bracket_t(first, pi/2)
-    do while (beta%is_open())
-      p = fillet_point(gear, side, beta%middle())
-      call beta%halve(atan2(p(1), p(2)) < reach)
-    end do
-    parameter_at = beta%middle()
-  end function parameter_at
-
   !> Builds the grid of a section of `gear`.
   subroutine make_section(gear, options, section, error)
     type(gear_t), intent(in) :: gear
@@ -127,6 +118,8 @@ contains
     type(tooth_block_t), allocatable :: block(:)
     real(dp), allocatable :: top(:, :), points(:, :, :)
     integer, allocatable :: part(:, :)
+    integer :: across, k
+    type(tooth_block_t) :: other
 
     section%gear = gear
     section%options = options
@@ -135,12 +128,20 @@ contains
     if (allocated(error)) return
     call set_extent(section, error)
     if (allocated(error)) return
-    call claim_teeth(section%options, error)
+    ! Memory of the points of each tooth, about 2 across by 3 across, and of its columns in the grid.
+    across = options%elements_across
+    if (options%others_across > 0) across = options%others_across
+    call claim_memory(section%options%teeth*(1000 + 16.0_dp*(2*across + 3)*(3*across + 12)) &
+                      + 300.0_dp*options%elements_across**2, 'teeth of the section = '//str(section%options%teeth), error)
     if (allocated(error)) return
     allocate (block(section%options%teeth))
     call make_tooth_block(gear, options%elements_across, block(section%loaded))
-    call fill_others(section, block)
-    call lay_columns(section, block, top)
+    other = block(section%loaded)
+    if (options%others_across > 0) call make_tooth_block(gear, options%others_across, other)
+    do k = 1, size(block)
+      if (k /= section%loaded) block(k) = other
+    end do
+    call place_columns(section, block, top)
     call check_size(section, block, (size(top, 2) - 1)/2, error)
     call claim_lattice(section, block, (size(top, 2) - 1)/2, error)
     if (allocated(error)) return
@@ -152,18 +153,6 @@ contains
                 ': the rim below the root circle is too thin for a grid; must be thicker (or the bore smaller)')
     end if
   end subroutine make_section
-
-  !> Claims memory: each tooth has its own points, about 2 `across` by 3 `across`, and its columns in the grid.
-  subroutine claim_teeth(options, error)
-    type(section_options_t), intent(in) :: options
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: across
-
-    across = options%elements_across
-    if (options%others_across > 0) across = options%others_across
-    call claim_memory(options%teeth*(1000 + 16.0_dp*(2*across + 3)*(3*across + 12)) + 300.0_dp*options%elements_across**2, &
-                      'teeth of the section = '//str(options%teeth), error)
-  end subroutine claim_teeth
 
   !> Claims memory for the points of the lattice, and for nodes and elements of the grid, which is copied with the section and the
   !> body.
@@ -180,20 +169,6 @@ contains
                       + grid*sum(real(block%across, dp)*block%upper), &
                       'elements across a tooth = '//str(section%options%elements_across)//': the grid', error)
   end subroutine claim_lattice
-
-  !> Fills in the unloaded teeth: equal to the loaded one, or coarser.
-  pure subroutine fill_others(section, block)
-    type(section_t), intent(in) :: section
-    type(tooth_block_t), intent(inout) :: block(:)
-    type(tooth_block_t) :: other
-    integer :: k
-
-    other = block(section%loaded)
-    if (section%options%others_across > 0) call make_tooth_block(section%gear, section%options%others_across, other)
-    do k = 1, size(block)
-      if (k /= section%loaded) block(k) = other
-    end do
-  end subroutine fill_others
 
   subroutine check_options(gear, options, error)
     type(gear_t), intent(in) :: gear
@@ -276,7 +251,7 @@ contains
   end function is_closed
 
   !> Computes the points along the top of the rim at all column half steps, from left to right.
-  subroutine lay_columns(section, block, top)
+  subroutine place_columns(section, block, top)
     type(section_t), intent(inout) :: section
     type(tooth_block_t), intent(in) :: block(:)
     real(dp), allocatable, intent(out) :: top(:, :)
@@ -303,7 +278,7 @@ contains
       from = to
     end do
     if (is_closed(section)) call append(top, fillet_run(section%gear, block(1), coast, section%axis(1) + 2*pi, from))
-  end subroutine lay_columns
+  end subroutine place_columns
 
   !> Refuses a grid whose stiffness matrix would not fit, before it is built.
   pure subroutine check_size(section, block, columns, error)
@@ -338,20 +313,6 @@ contains
     if (radius < turn) steps = steps + log(turn/radius)
   end function rim_steps
 
-  !> Radius at this number of rows inwards.
-  pure real(dp) function rim_radius(section, block, steps) result(radius)
-    type(section_t), intent(in) :: section
-    type(tooth_block_t), intent(in) :: block(:)
-    real(dp), intent(in) :: steps
-    real(dp) :: first, turn, outer
-
-    first = block(section%loaded)%width/growth
-    turn = turning_radius(section, first)
-    outer = rim_steps(section, block, turn)
-    radius = section%gear%root_radius - first*(exp(min(steps, outer)) - 1)
-    if (steps > outer) radius = turn*exp(outer - steps)
-  end function rim_radius
-
   !> Radius at which the depth, and the first step beyond it, equal the radius.
   pure real(dp) function turning_radius(section, first) result(radius)
     type(section_t), intent(in) :: section
@@ -367,7 +328,7 @@ contains
     real(dp), intent(in) :: top(:, 0:)
     real(dp), allocatable, intent(out) :: points(:, :, :)
     integer, allocatable, intent(out) :: part(:, :)
-    real(dp) :: reach, share, radius
+    real(dp) :: reach, share, radius, steps, first, turn, outer, level
     integer :: i, j, k, c, rows, rim, columns
 
     columns = ubound(top, 2)/2
@@ -378,9 +339,14 @@ contains
     allocate (points(2, 0:2*columns, 0:2*rows), source=0.0_dp)
     allocate (part(columns, rows), source=no_element)
     part(:, :rim) = 0
+    first = block(section%loaded)%width/growth
+    turn = turning_radius(section, first)
+    outer = rim_steps(section, block, turn)
     do j = 0, 2*rim
-      share = (section%gear%root_radius - rim_radius(section, block, reach*(2*rim - j)/(2.0_dp*rim))) &
-              /(section%gear%root_radius - section%inner_radius)
+      steps = reach*(2*rim - j)/(2.0_dp*rim)
+      level = section%gear%root_radius - first*(exp(min(steps, outer)) - 1)
+      if (steps > outer) level = turn*exp(outer - steps)
+      share = (section%gear%root_radius - level)/(section%gear%root_radius - section%inner_radius)
       do i = 0, 2*columns
         radius = norm2(top(:, i))
         points(:, i, j) = top(:, i)*(radius + (section%inner_radius - radius)*share)/radius

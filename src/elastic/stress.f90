@@ -309,9 +309,6 @@ contains
     type(error_t), allocatable, intent(inout) :: error   !< memory is too small, or the radius is not on the flank
     real(dp), allocatable :: x(:, :)
 
-    call claim_memory(100.0_dp*grid%body%unknowns, 'static stress: the stress on '//str(grid%body%unknowns)//' unknowns', error, &
-                      blas=.true.)
-    if (allocated(error)) return
     allocate (x(grid%body%unknowns, 1), source=0.0_dp)
     call flank_load(grid%section, grid%body, radius, x(:, 1), error)
     if (allocated(error)) return

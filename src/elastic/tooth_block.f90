@@ -36,7 +36,8 @@ contains
     integer, intent(in) :: across
     type(tooth_block_t), intent(out) :: block
     real(dp), allocatable :: left(:, :), right(:, :), up(:), share(:), top(:, :)
-    integer :: side
+    real(dp) :: point(2)
+    integer :: side, i
 
     block%across = across
     block%fillet = fillet_rows(across)
@@ -44,13 +45,21 @@ contains
     block%upper = block%fillet + max(2, across)
     do side = drive, coast
       block%split(side) = fillet_parameter(gear, side, split_angle)
+      point = fillet_point(gear, side, block%split(side))
+      block%width = block%width + abs(point(1))
     end do
-    block%width = sum([(abs(first_x(gear, block, side)), side=drive, coast)])
     right = flank(gear, block, drive)
     left = flank(gear, block, coast)
     left(1, :) = -left(1, :)
-    share = shares(across)
-    up = heights(right)
+    ! Positions across the tooth, 0 to 1, finer at both flanks.
+    share = [(real(i, dp)/across - 1, i=0, 2*across)]
+    share = ((1 - side_grading)*share + side_grading*sin(pi/2*share) + 1)/2
+    ! Relative length along a flank.
+    allocate (up(size(right, 2)), source=0.0_dp)
+    do i = 2, size(up)
+      up(i) = up(i - 1) + norm2(right(:, i) - right(:, i - 1))
+    end do
+    up = up/up(size(up))
     block%bottom = lower_edge(left(:, 1), right(:, 1), share)
     top = upper_edge(left(:, size(left, 2)), right(:, size(right, 2)), share)
     call transfinite(left, right, block%bottom, top, share, up, block%points)
@@ -119,17 +128,6 @@ contains
     end function at
   end function excess_along
 
-  !> Half the width at the start of the block, on one side (m).
-  pure real(dp) function first_x(gear, block, side)
-    type(gear_t), intent(in) :: gear
-    type(tooth_block_t), intent(in) :: block
-    integer, intent(in) :: side
-    real(dp) :: p(2)
-
-    p = fillet_point(gear, side, block%split(side))
-    first_x = p(1)
-  end function first_x
-
   !> Points of one side from the start of the block to the tip (2, 1 + 2 upper), on positive x: fillet in equal steps of its
   !> parameter, involute in shrinking lengths.
   pure function flank(gear, block, side) result(points)
@@ -154,29 +152,6 @@ contains
       points(:, n + 1 + i) = involute_point(gear, side, radius)
     end do
   end function flank
-
-  !> Positions across the tooth, 0 to 1, finer at both flanks.
-  pure function shares(across) result(share)
-    integer, intent(in) :: across
-    real(dp) :: share(0:2*across)
-    integer :: i
-
-    share = [(real(i, dp)/across - 1, i=0, 2*across)]
-    share = ((1 - side_grading)*share + side_grading*sin(pi/2*share) + 1)/2
-  end function shares
-
-  !> Relative length along a flank, 0 to 1.
-  pure function heights(points) result(up)
-    real(dp), intent(in) :: points(:, :)
-    real(dp) :: up(0:size(points, 2) - 1)
-    integer :: i
-
-    up(0) = 0
-    do i = 1, ubound(up, 1)
-      up(i) = up(i - 1) + norm2(points(:, i + 1) - points(:, i))
-    end do
-    up = up/up(ubound(up, 1))
-  end function heights
 
   !> Cubic that leaves both ends inwards.
   pure function lower_edge(left, right, share) result(edge)

@@ -69,7 +69,7 @@ contains
       do i = 1, size(radius)
         at_rest(:, :, i) = body%spread_out(moved(:, i))/(width*stiffer)
       end do
-      call find_rest(grid, modes%shape, load, at_rest, product%model)
+      call find_residual_frequency(grid, modes%shape, load, at_rest, product%model)
       deallocate (load, moved)
       call read_rows(grid, modes%shape, tangent, stiffer, product, product%model%shape, error)
       if (.not. allocated(error)) call read_rows(grid, at_rest, tangent, stiffer, product, product%model%static, error)
@@ -78,7 +78,7 @@ contains
 
   !> Computes Rayleigh's quotient of the static displacements under each `load` that the modes `shape` omit: elastic over kinetic
   !> energy. It is at least the highest mode's, as all omitted modes are above; this limit applies if only rounding remains.
-  pure subroutine find_rest(grid, shape, load, at_rest, model)
+  pure subroutine find_residual_frequency(grid, shape, load, at_rest, model)
     type(section_body_t), intent(in) :: grid
     real(dp), intent(in) :: shape(:, :, :), load(:, :), at_rest(:, :, :)
     type(modal_model_t), intent(inout) :: model
@@ -88,7 +88,7 @@ contains
 
     associate (body => grid%body, w => model%frequency)
       mass = assemble_mass(size(shape, 2), grid%section%grid%element, body%mass_matrices())
-      allocate (model%rest_frequency(size(load, 2)), source=maxval(w))
+      allocate (model%residual_frequency(size(load, 2)), source=maxval(w))
       do i = 1, size(load, 2)
         rest = at_rest(:, :, i)
         do k = 1, size(w)
@@ -97,10 +97,10 @@ contains
         call mass%times(rest, force)
         elastic = dot_product(load(:, i), body%gather(rest))
         kinetic = sum(rest*force)*grid%section%gear%spec%face_width/body%thickness
-        if (elastic > maxval(w)**2*kinetic .and. kinetic > 0) model%rest_frequency(i) = sqrt(elastic/kinetic)
+        if (elastic > maxval(w)**2*kinetic .and. kinetic > 0) model%residual_frequency(i) = sqrt(elastic/kinetic)
       end do
     end associate
-  end subroutine find_rest
+  end subroutine find_residual_frequency
 
   !> Computes the rows for displacements `u` (direction, node, column) of all nodes; other components of `product` are those of
   !> the last call.
@@ -111,8 +111,9 @@ contains
     real(dp), allocatable, intent(out) :: rows(:, :)
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: stress(:), components(:, :), moved(:, :, :)
-    real(dp) :: direction(2)
-    integer :: side, i, row
+    real(dp) :: direction(2), point(2), s
+    integer :: side, i, row, k, d
+    type(piecewise_t) :: curve
 
     product%unit%gear = grid%section%gear
     do side = drive, coast
@@ -134,22 +135,18 @@ contains
         product%direction(:, 2*(i - 1) + side) = direction
         row = product%row_of(2*(i - 1) + side)
         rows(row + along, :) = stress
-        call read_moved(product%side(side), height_of(product%unit, side, tangent(i)), moved, &
-                        rows(row + moved_x:row + moved_y, :))
+        point = fillet_point(product%unit%gear, side, fillet_parameter(product%unit%gear, side, tangent(i)))
+        curve = spline(product%side(side)%point(2, :), product%side(side)%along)
+        s = curve%value(point(2))
+        do k = 1, size(moved, 3)
+          do d = 1, 2
+            curve = spline(product%side(side)%along, moved(d, :, k))
+            rows(row + moved_x + d - 1, k) = curve%value(s)
+          end do
+        end do
       end do
     end do
   end subroutine read_rows
-
-  !> Height in the tooth's frame (m) of a chosen point.
-  real(dp) function height_of(unit, side, tangent) result(height)
-    type(root_stress_t), intent(in) :: unit
-    integer, intent(in) :: side
-    real(dp), intent(in) :: tangent
-    real(dp) :: point(2)
-
-    point = fillet_point(unit%gear, side, fillet_parameter(unit%gear, side, tangent))
-    height = point(2)
-  end function height_of
 
   !> Computes the displacements (m) of the fillet's points in the tooth's frame (2, point, column).
   pure subroutine move_fillet(grid, u, side, points, moved)
@@ -174,25 +171,6 @@ contains
       end do
     end do
   end subroutine move_fillet
-
-  !> Computes the displacements at one height of a fillet (2, column).
-  pure subroutine read_moved(fillet, height, moved, at_point)
-    type(fillet_stress_t), intent(in) :: fillet
-    real(dp), intent(in) :: height, moved(:, :, :)
-    real(dp), intent(out) :: at_point(:, :)
-    type(piecewise_t) :: curve
-    real(dp) :: s
-    integer :: k, d
-
-    curve = spline(fillet%point(2, :), fillet%along)
-    s = curve%value(height)
-    do k = 1, size(moved, 3)
-      do d = 1, 2
-        curve = spline(fillet%along, moved(d, :, k))
-        at_point(d, k) = curve%value(s)
-      end do
-    end do
-  end subroutine read_moved
 
   !> Row before the first of a side's fillet.
   pure integer function first_of_side(self, side) result(row)

@@ -46,6 +46,8 @@ contains
     type(gear_spec_t), intent(in) :: spec
     type(gear_t), intent(out) :: gear
     type(error_t), allocatable, intent(out) :: error
+    real(dp) :: curvature
+    integer :: side
 
     call check_spec(spec, error)
     if (allocated(error)) return
@@ -58,7 +60,14 @@ contains
       gear%root_radius = r - (spec%dedendum - generating_shift(spec))*m
     end associate
     call check_rack_tip(spec, error)
-    call find_form_radius(gear, error)
+    ! Start of the involute: the end of the straight flank of the rack; with undercut or a protuberance, its intersection with the
+    ! trochoid.
+    do side = drive, coast
+      curvature = straight_end(gear%spec, side)
+      gear%fillet_start(side) = gear%spec%pressure_angle(side)
+      gear%form_radius(side) = hypot(gear%base_radius(side), max(curvature, 0.0_dp))
+      if (gear%is_undercut(side) .or. fillet_undercut(gear%spec) > 0) call cross_undercut(gear, side, error)
+    end do
     gear%tip_form_radius = gear%flank_end(drive)
     call check_tooth(gear, error)
     call check_tip(gear, error)
@@ -91,23 +100,6 @@ contains
       if (.not. met) call fail(error, code_input, trim(spec%name)//' '//quantity//' = '//str(value)//': '//allowed)
     end subroutine demand
   end subroutine check_spec
-
-  !> Finds the start of the involute, at the end of the rack's straight flank. If that end extends beyond the base circle, the
-  !> rack's corner cuts off the lower involute again: undercut. So does a protuberance, on purpose. The remaining involute begins
-  !> at its intersection with the trochoid.
-  pure subroutine find_form_radius(gear, error)
-    type(gear_t), intent(inout) :: gear
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: curvature
-    integer :: side
-
-    do side = drive, coast
-      curvature = straight_end(gear%spec, side)
-      gear%fillet_start(side) = gear%spec%pressure_angle(side)
-      gear%form_radius(side) = hypot(gear%base_radius(side), max(curvature, 0.0_dp))
-      if (gear%is_undercut(side) .or. fillet_undercut(gear%spec) > 0) call cross_undercut(gear, side, error)
-    end do
-  end subroutine find_form_radius
 
   !> Finds the intersection of an undercut flank's trochoid with the involute, by bisection: along the trochoid the radius falls
   !> from beyond the base circle to the root, and the point moves from the space into the tooth. With a protuberance the point is
@@ -159,6 +151,8 @@ contains
     type(gear_t), intent(in) :: gear
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: which
+    type(bracket_t) :: bracket
+    real(dp) :: pointed
 
     which = trim(gear%spec%name)//' '
     if (.not. gear%spec%bore_radius >= 0 .or. gear%spec%bore_radius >= gear%root_radius) then
@@ -170,8 +164,14 @@ contains
         ': no involute is left between fillet and tip'//trim(merge(' with this chamfer or rounding', repeat(' ', 30), &
         gear%tip_form_radius < gear%tip_radius)))
     else if (gear%thickness(gear%tip_radius) <= 0) then
+      ! Radius at which the two flanks meet, by bisection.
+      bracket = bracket_t(maxval(gear%form_radius), gear%tip_radius)
+      do while (bracket%is_open())
+        call bracket%halve(gear%thickness(bracket%middle()) > 0)
+      end do
+      pointed = bracket%middle()
       call fail(error, code_input, which//trim(tip_setting(gear))// &
-        ': pointed teeth; the tip diameter must stay below '//str(2000*pointed_radius(gear))//' mm'// &
+        ': pointed teeth; the tip diameter must stay below '//str(2000*pointed)//' mm'// &
         trim(merge(' with this thickness allowance', repeat(' ', 30), gear%spec%thinning < 0)))
     end if
   end subroutine check_tooth
@@ -274,18 +274,6 @@ contains
 
     chamfer_base = gear%reference_radius*cos(pi/4)
   end function chamfer_base
-
-  !> Radius at which the two flanks meet, by bisection.
-  pure real(dp) function pointed_radius(gear)
-    type(gear_t), intent(in) :: gear
-    type(bracket_t) :: radius
-
-    radius = bracket_t(maxval(gear%form_radius), gear%tip_radius)
-    do while (radius%is_open())
-      call radius%halve(gear%thickness(radius%middle()) > 0)
-    end do
-    pointed_radius = radius%middle()
-  end function pointed_radius
 
   !> Angle from the tooth axis to the involute at `radius` (m), rad. The axis
   !> halves the reference thickness of the unshifted tooth.

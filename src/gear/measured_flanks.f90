@@ -44,7 +44,7 @@ module gearsweep_gear_measured_flanks
 
 contains
 
-  !> Reads the points of one flank of each tooth. Fails at the first invalid line, of either flank.
+  !> Reads the points of one flank of each tooth, sorted by tooth. Fails at the first invalid line, of either flank.
   subroutine read_flank_points(path, text, teeth, flank, points, error)
     character(*), intent(in) :: path             !< path of the file, for messages
     character(*), intent(in) :: text             !< text of the file
@@ -56,7 +56,7 @@ contains
     type(point_t), allocatable :: found(:)
     real(dp), parameter :: least = 0.1_dp*um
     real(dp) :: largest
-    integer :: i
+    integer :: next(teeth), i
 
     call find_rows(text, path, header, table, error)
     if (allocated(error)) return
@@ -68,7 +68,25 @@ contains
     largest = maxval(abs(found%deviation))
     if (largest > 0 .and. largest < least) call fail(error, code_input, path//': deviation_um: the largest is '// &
       str(largest/um)//', less than can be measured; if mm is meant, multiply by 1000')
-    if (.not. allocated(error)) call sort_by_tooth(pack(found, found%tooth > 0), teeth, points)
+    if (allocated(error)) return
+    found = pack(found, found%tooth > 0)
+    allocate (points%first(teeth + 1), source=0)
+    allocate (points%roll(size(found)), points%deviation(size(found)))
+    do i = 1, size(found)
+      points%first(found(i)%tooth + 1) = points%first(found(i)%tooth + 1) + 1
+    end do
+    points%first(1) = 1
+    do i = 1, teeth
+      points%first(i + 1) = points%first(i + 1) + points%first(i)
+    end do
+    next = points%first(:teeth)
+    do i = 1, size(found)
+      associate (at => next(found(i)%tooth))
+        points%roll(at) = found(i)%roll
+        points%deviation(at) = found(i)%deviation
+        at = at + 1
+      end associate
+    end do
   end subroutine read_flank_points
 
   subroutine read_row(table, row, teeth, flank, point, error)
@@ -108,32 +126,6 @@ contains
       call table%refuse(row, name//' = '//shown(trim(given))//': must be '//allowed, error)
     end subroutine refuse
   end subroutine read_row
-
-  !> Counts the points of each tooth, and sorts the points by tooth.
-  pure subroutine sort_by_tooth(found, teeth, points)
-    type(point_t), intent(in) :: found(:)
-    integer, intent(in) :: teeth
-    type(flank_points_t), intent(out) :: points
-    integer :: next(teeth), i, k
-
-    allocate (points%first(teeth + 1), source=0)
-    allocate (points%roll(size(found)), points%deviation(size(found)))
-    do i = 1, size(found)
-      points%first(found(i)%tooth + 1) = points%first(found(i)%tooth + 1) + 1
-    end do
-    points%first(1) = 1
-    do k = 1, teeth
-      points%first(k + 1) = points%first(k + 1) + points%first(k)
-    end do
-    next = points%first(:teeth)
-    do i = 1, size(found)
-      associate (at => next(found(i)%tooth))
-        points%roll(at) = found(i)%roll
-        points%deviation(at) = found(i)%deviation
-        at = at + 1
-      end associate
-    end do
-  end subroutine sort_by_tooth
 
   !> Fits the errors of a gear's teeth on the line of action. Excess material reduces the gap, so that the errors are the negative
   !> of the measured deviations. The deviation at the measuring circle is subtracted, as it belongs to the pitch. Fails if a tooth

@@ -58,35 +58,30 @@ contains
   pure real(dp) function web_inertia(gear, web, rim, density) result(inertia)
     type(gear_t), intent(in) :: gear
     real(dp), intent(in) :: web, rim, density
-
-    associate (bore => pi/2*gear%spec%bore_radius**4, gap => pi/2*(gear%root_radius - rim)**4)
-      inertia = density*(gear%spec%face_width*(outline_moment(gear) - bore) - (gear%spec%face_width - web)*(gap - bore))
-    end associate
-  end function web_inertia
-
-  !> Polar second moment (m^4) of the area within the outline: the integral of r^4/4 over the angle, all around.
-  pure real(dp) function outline_moment(gear) result(moment)
-    type(gear_t), intent(in) :: gear
-    real(dp) :: point(2, 0:2*steps), radius(0:2*steps), angle(0:2*steps), land
+    real(dp) :: point(2, 0:2*steps), radius(0:2*steps), angle(0:2*steps), land, moment
     integer :: side, i
 
-    moment = 0
-    land = 2*pi/gear%spec%teeth
-    do side = drive, coast
-      do i = 0, steps
-        associate (share => real(i, dp)/steps)
-          point(:, i) = fillet_point(gear, side, pi/2 + (gear%fillet_start(side) - pi/2)*share)
-          point(:, steps + i) = involute_point(gear, side, (1 - share)*gear%form_radius(side) + share*gear%tip_radius)
-        end associate
+    associate (bore => pi/2*gear%spec%bore_radius**4, gap => pi/2*(gear%root_radius - rim)**4)
+      ! Integral of r^4/4 over the angle within the outline of the teeth (m^4).
+      moment = 0
+      land = 2*pi/gear%spec%teeth
+      do side = drive, coast
+        do i = 0, steps
+          associate (share => real(i, dp)/steps)
+            point(:, i) = fillet_point(gear, side, pi/2 + (gear%fillet_start(side) - pi/2)*share)
+            point(:, steps + i) = involute_point(gear, side, (1 - share)*gear%form_radius(side) + share*gear%tip_radius)
+          end associate
+        end do
+        radius = norm2(point, 1)
+        angle = atan2(point(1, :), point(2, :))
+        moment = moment + sum((radius(:2*steps - 1)**4 + radius(1:)**4)/2*(angle(:2*steps - 1) - angle(1:))) &
+                 + radius(2*steps)**4*angle(2*steps)
+        land = land - root_angle(gear, side)
       end do
-      radius = norm2(point, 1)
-      angle = atan2(point(1, :), point(2, :))
-      moment = moment + sum((radius(:2*steps - 1)**4 + radius(1:)**4)/2*(angle(:2*steps - 1) - angle(1:))) &
-               + radius(2*steps)**4*angle(2*steps)
-      land = land - root_angle(gear, side)
-    end do
-    moment = gear%spec%teeth*(moment + gear%root_radius**4*land)/4
-  end function outline_moment
+      moment = gear%spec%teeth*(moment + gear%root_radius**4*land)/4
+      inertia = density*(gear%spec%face_width*(moment - bore) - (gear%spec%face_width - web)*(gap - bore))
+    end associate
+  end function web_inertia
 
   !> Computes the span over the number of teeth whose contact is closest to the V circle, and the diameter over pins of the stated
   !> diameter or, by default, of pins with contact at the V circle or, if these would be below the tip circle, closest to it.
@@ -99,7 +94,7 @@ contains
     call find_span(gear, measures)
     measures%pin_diameter = gear%spec%pin_diameter
     if (measures%pin_diameter <= 0) measures%pin_diameter = usual_pin(gear)
-    if (.not. (touches(gear, measures%pin_diameter) .and. stands_out(gear, measures%pin_diameter))) then
+    if (.not. (touches(gear, measures%pin_diameter) .and. projects(gear, measures%pin_diameter))) then
       measures%pin_diameter = 0
       return
     end if
@@ -171,7 +166,7 @@ contains
     type(bracket_t) :: radius
 
     diameter = pin_at(gear, v_radius(gear))
-    if (stands_out(gear, diameter)) return
+    if (projects(gear, diameter)) return
     radius = bracket_t(v_radius(gear), gear%tip_form_radius)
     do while (radius%is_open())
       diameter = pin_at(gear, radius%middle())
@@ -206,14 +201,14 @@ contains
   end function touches
 
   !> True if the pin extends beyond the tip circle, and stays above the root.
-  pure logical function stands_out(gear, diameter)
+  pure logical function projects(gear, diameter)
     type(gear_t), intent(in) :: gear
     real(dp), intent(in) :: diameter
 
     associate (centre => gear%base_radius(drive)/cos(pin_angle(gear, diameter)))
-      stands_out = centre + diameter/2 > gear%tip_radius .and. centre - diameter/2 > gear%root_radius
+      projects = centre + diameter/2 > gear%tip_radius .and. centre - diameter/2 > gear%root_radius
     end associate
-  end function stands_out
+  end function projects
 
   !> Refuses a stated pin without a measure.
   pure subroutine check_pin(gear, error)
@@ -228,7 +223,7 @@ contains
     else if (.not. touches(gear, gear%spec%pin_diameter)) then
       call fail(error, code_input, what//'touches no involute; must be from '//str(1000*pin_at(gear, maxval(gear%form_radius)))// &
         ' to '//str(1000*pin_at(gear, gear%tip_form_radius)))
-    else if (.not. stands_out(gear, gear%spec%pin_diameter)) then
+    else if (.not. projects(gear, gear%spec%pin_diameter)) then
       call fail(error, code_input, what//'must stand out beyond the tip diameter '//str(2000*gear%tip_radius)// &
         ' mm and stay off the root; '//str(1000*usual_pin(gear))//' is the default')
     end if

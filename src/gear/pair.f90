@@ -13,7 +13,7 @@ module gearsweep_gear_pair
   character(*), parameter :: names(2) = ['pinion', 'gear  ']
   !> Largest interference, in modules on the centre distance, that counts as no backlash: profile shifts have four digits, and
   !> half a unit of the last digit of both makes that much.
-  real(dp), parameter :: told = 1e-4_dp
+  real(dp), parameter :: noticeable = 1e-4_dp
   !> Backlash below which it is rounding of the arithmetic, in modules.
   real(dp), parameter :: nothing = 1e-12_dp
 
@@ -49,8 +49,15 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: shorten
     real(dp) :: least, shifts
+    real(dp), parameter :: same = 1e-12_dp
+    integer :: i
 
-    call check_partners(pinion, gear, error)
+    if (abs(pinion%spec%module - gear%spec%module) > same*pinion%spec%module) then
+      call fail(error, code_input, 'module: pinion and gear must have the same module')
+    end if
+    if (any(abs(pinion%spec%pressure_angle - gear%spec%pressure_angle) > same)) then
+      call fail(error, code_input, 'pressure angle: pinion and gear must have the same angles')
+    end if
     if (allocated(error)) return
     pair%gear = [pinion, gear]
     pair%centre_distance = centre_distance
@@ -62,7 +69,7 @@ contains
       pair%rounding = least - centre_distance
       pair%backlash = 0
     end if
-    if (.not. pair%rounding <= told*pinion%spec%module) then
+    if (.not. pair%rounding <= noticeable*pinion%spec%module) then
       call fail(error, code_input, 'centre distance (mm) = '//str(1000*centre_distance, 9)// &
         ': the teeth jam; must be at least '//str(1000*least, 9))
       return
@@ -73,23 +80,16 @@ contains
     call find_path(pair, error)
     if (present(shorten)) then
       pair%may_shorten = shorten
-      if (shorten) call shorten_path(pair)
+      if (shorten) then
+        do i = 1, 2
+          if (pair%gear(i)%is_undercut(drive)) pair%lost(i) = max(0.0_dp, lacking(pair, i, drive))
+        end do
+        pair%start_curvature = pair%start_curvature + pair%lost(1)
+        pair%contact_ratio = pair%contact_ratio - sum(pair%lost)/pair%base_pitch
+      end if
     end if
     call check_path(pair, error)
   end subroutine make_pair
-
-  pure subroutine check_partners(pinion, gear, error)
-    type(gear_t), intent(in) :: pinion, gear
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), parameter :: same = 1e-12_dp
-
-    if (abs(pinion%spec%module - gear%spec%module) > same*pinion%spec%module) then
-      call fail(error, code_input, 'module: pinion and gear must have the same module')
-    end if
-    if (any(abs(pinion%spec%pressure_angle - gear%spec%pressure_angle) > same)) then
-      call fail(error, code_input, 'pressure angle: pinion and gear must have the same angles')
-    end if
-  end subroutine check_partners
 
   !> Working pressure angle of a side at a centre distance.
   pure real(dp) function working_angle(gears, side, centre_distance)
@@ -203,18 +203,6 @@ contains
 
     lacking = pair%gear(i)%curvature(side, pair%gear(i)%form_radius(side)) - mate_reach(pair, i, side)
   end function lacking
-
-  !> Shortens the path of contact by the parts without a flank due to undercut.
-  pure subroutine shorten_path(pair)
-    type(pair_t), intent(inout) :: pair
-    integer :: i
-
-    do i = 1, 2
-      if (pair%gear(i)%is_undercut(drive)) pair%lost(i) = max(0.0_dp, lacking(pair, i, drive))
-    end do
-    pair%start_curvature = pair%start_curvature + pair%lost(1)
-    pair%contact_ratio = pair%contact_ratio - sum(pair%lost)/pair%base_pitch
-  end subroutine shorten_path
 
   !> Checks that each point of the path has two involutes, and that the next pair enters before this one leaves.
   pure subroutine check_path(pair, error)

@@ -81,14 +81,8 @@ contains
   pure integer function tooth_curves(gear)
     type(gear_t), intent(in) :: gear
 
-    tooth_curves = merge(7, 5, has_tip_break(gear))
+    tooth_curves = merge(7, 5, gear%tip_form_radius < gear%tip_radius)
   end function tooth_curves
-
-  pure logical function has_tip_break(gear)
-    type(gear_t), intent(in) :: gear
-
-    has_tip_break = gear%tip_form_radius < gear%tip_radius
-  end function has_tip_break
 
   !> Outline of one tooth with its axis along y, from root circle to root circle: coast fillet and involute, tip land, drive
   !> involute and fillet (2, 5 steps + 1), with chamfers or roundings next to the tip land (2, 7 steps + 1), m; the drive side has
@@ -126,7 +120,7 @@ contains
       points(:, i) = fillet_point(gear, side, pi/2 + (gear%fillet_start(side) - pi/2)*share)
       points(:, steps + i) = involute_point(gear, side, &
         sqrt(gear%form_radius(side)**2*(1 - share) + gear%flank_end(side)**2*share))
-      if (has_tip_break(gear)) points(:, 2*steps + i) = tip_break_point(gear, side, share)
+      if (gear%tip_form_radius < gear%tip_radius) points(:, 2*steps + i) = tip_break_point(gear, side, share)
     end do
   end function one_side
 

@@ -25,20 +25,24 @@ contains
     type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: middle(2)
+    logical :: on_path(2)
+    integer :: i
 
     if (any(.not. relief%amount >= 0)) call fail(error, code_input, &
       'amount of relief: must be at least 0')
-    if (relief%amount(1) > 0 .and. .not. (relief%start(1) >= 0 .and. relief%start(1) < contact_ratio)) then
-      call no_room('pinion', relief%start(1), contact_ratio, error)
-    end if
-    if (relief%amount(2) > 0 .and. .not. (relief%start(2) > 0 .and. relief%start(2) <= contact_ratio)) then
-      call no_room('gear', relief%start(2), contact_ratio, error)
-    end if
+    associate (s => relief%start)
+      on_path = [s(1) >= 0 .and. s(1) < contact_ratio, s(2) > 0 .and. s(2) <= contact_ratio]
+    end associate
+    do i = 1, 2
+      if (relief%amount(i) > 0 .and. .not. on_path(i)) call fail(error, code_input, 'relief: the '// &
+        trim(merge('pinion', 'gear  ', i == 1))//'''s relief begins at '//str(relief%start(i))// &
+        ' base pitches, off the path of contact (0 to '//str(contact_ratio)//')')
+    end do
     if (allocated(error)) return
 
     middle = merge(relief%start, [contact_ratio, 0.0_dp], relief%amount > 0)
     curve%breaks = [0.0_dp, minval(middle), maxval(middle), contact_ratio]
-    curve%breaks = distinct(curve%breaks)
+    curve%breaks = [curve%breaks(1), pack(curve%breaks(2:), curve%breaks(2:) - curve%breaks(:3) > 0)]
     allocate (curve%coef(0:2, size(curve%breaks) - 1))
     curve%coef = 0
     if (relief%amount(1) > 0) call add(curve, relief%start(1), contact_ratio, relief%amount(1), relief%shape)
@@ -58,22 +62,6 @@ contains
     part = min(1.0_dp, max(0.0_dp, part))
     tip_relief = relief%amount(gear)*merge(part, part**2, relief%shape == linear)
   end function tip_relief
-
-  pure subroutine no_room(gear, start, contact_ratio, error)
-    character(*), intent(in) :: gear
-    real(dp), intent(in) :: start, contact_ratio
-    type(error_t), allocatable, intent(inout) :: error
-
-    call fail(error, code_input, 'relief: the '//gear//'''s relief begins at '//str(start)// &
-      ' base pitches, off the path of contact (0 to '//str(contact_ratio)//')')
-  end subroutine no_room
-
-  pure function distinct(sorted) result(kept)
-    real(dp), intent(in) :: sorted(:)
-    real(dp), allocatable :: kept(:)
-
-    kept = [sorted(1), pack(sorted(2:), sorted(2:) - sorted(:size(sorted) - 1) > 0)]
-  end function distinct
 
   !> Adds one gear's relief to the pieces between `start` and its `tip`.
   pure subroutine add(curve, start, tip, amount, shape)

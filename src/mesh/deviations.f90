@@ -77,7 +77,6 @@ module gearsweep_mesh_deviations
   contains
     procedure :: place
     procedure :: shared_at
-    procedure :: shared_by_two
     procedure :: shared_with_slopes
     procedure :: deviation_of
   end type interval_t
@@ -315,14 +314,6 @@ contains
 
     shared = interval%shared(0, :) + phase*(interval%shared(1, :) + phase*interval%shared(2, :))
   end function shared_at
-
-  !> Compliance shared by the first two pairs, m/N.
-  elemental real(dp) function shared_by_two(interval, phase) result(shared)
-    class(interval_t), intent(in) :: interval
-    real(dp), intent(in) :: phase
-
-    shared = interval%shared(0, 1) + phase*(interval%shared(1, 1) + phase*interval%shared(2, 1))
-  end function shared_by_two
 
   !> Compliance shared by each pair of an interval and the next one, with its first and second derivative over the phase, m/N;
   !> (0:2, pair but the last, at least one).

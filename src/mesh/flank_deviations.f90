@@ -11,8 +11,8 @@ module gearsweep_mesh_flank_deviations
   use gearsweep_mesh_mesh, only: mesh_t
   implicit none
   private
-  public :: flank_deviations_t, frame_t, make_frame, draw_deviations, is_within, lay_deviations, tooth_number, &
-    out_of_place, coast_out_of_place, of_each
+  public :: flank_deviations_t, frame_t, make_frame, draw_deviations, is_within, place_deviations, tooth_number, &
+    pitch_position, coast_pitch_position, per_tooth
 
   type :: flank_deviations_t
     !> Single or cumulative pitch deviation on the measuring circle, m; (tooth). Not both.
@@ -102,7 +102,7 @@ contains
   end function is_within
 
   !> Computes the errors of both gears' teeth in the order of engagement, if the gear's tooth `offset` after the stated one meshes.
-  pure function lay_deviations(flanks, frame, teeth, contact_ratio, offset) result(deviations)
+  pure function place_deviations(flanks, frame, teeth, contact_ratio, offset) result(deviations)
     type(flank_deviations_t), intent(in) :: flanks(2)      !< flanks of pinion and gear
     type(frame_t), intent(in) :: frame
     integer, intent(in) :: teeth(2)
@@ -113,8 +113,8 @@ contains
     real(dp), allocatable :: pinion(:, :), gear(:, :), pinion_place(:), gear_place(:)
     integer :: i, k
 
-    call lay_teeth(flanks(1), frame, 1, teeth(1), contact_ratio, pinion, pinion_place)
-    call lay_teeth(flanks(2), frame, 2, teeth(2), contact_ratio, gear, gear_place)
+    call find_tooth_errors(flanks(1), frame, 1, teeth(1), contact_ratio, pinion, pinion_place)
+    call find_tooth_errors(flanks(2), frame, 2, teeth(2), contact_ratio, gear, gear_place)
     allocate (waves(0), coast_waves(0))
     do i = 1, 2
       associate (own => flanks(i))
@@ -122,7 +122,6 @@ contains
           waves = [waves, wave_t(i, 1, own%runout/2, own%runout_phase)]
           ! The centre of an eccentric gear moves along a circle. The normals of drive and coast flanks have opposite directions but
           ! for the angle between the lines of action; the gears rotate in opposite directions.
-          ! but for the angle between the lines of action, to the mate's side; the gears turn against each other.
           coast_waves = [coast_waves, wave_t(i, 1, -frame%coast_part*own%runout/2, &
                                              own%runout_phase + merge(-1, 1, i == 1)*frame%between_lines)]
         end if
@@ -131,11 +130,11 @@ contains
       end associate
     end do
     deviations = make_deviations(teeth, pinion, gear, waves, offset, pinion_place, gear_place, coast_waves)
-  end function lay_deviations
+  end function place_deviations
 
   !> Computes c_n of each tooth of a gear in the order of engagement (m), (0:degree, tooth), and the distance by which its coast
   !> flank is closer to its mate, the part of c_0 from the tooth's position; no teeth if none deviates.
-  pure subroutine lay_teeth(flanks, frame, gear, teeth, contact_ratio, c, place)
+  pure subroutine find_tooth_errors(flanks, frame, gear, teeth, contact_ratio, c, place)
     type(flank_deviations_t), intent(in) :: flanks
     type(frame_t), intent(in) :: frame
     integer, intent(in) :: gear, teeth
@@ -152,10 +151,10 @@ contains
       return
     end if
     allocate (c(0:degree, teeth), place(teeth), source=0.0_dp)
-    late = merge(1, -1, flanks%ascends)*out_of_place(flanks, teeth)
-    coast_late = merge(1, -1, flanks%ascends)*coast_out_of_place(flanks, teeth)
-    slope = merge(-1, 1, gear == 1)*of_each(flanks%slope, teeth)/contact_ratio
-    form = of_each(flanks%form, teeth)
+    late = merge(1, -1, flanks%ascends)*pitch_position(flanks, teeth)
+    coast_late = merge(1, -1, flanks%ascends)*coast_pitch_position(flanks, teeth)
+    slope = merge(-1, 1, gear == 1)*per_tooth(flanks%slope, teeth)/contact_ratio
+    form = per_tooth(flanks%form, teeth)
     do i = 1, teeth
       tooth = tooth_number(flanks, teeth, i - 1)
       place(i) = merge(1, -1, gear == 1)*frame%along(gear)*coast_late(tooth)
@@ -165,10 +164,10 @@ contains
       c(2, i) = 4*form(tooth)/contact_ratio**2
       if (allocated(flanks%measured)) c(:, i) = c(:, i) + flanks%measured(:, tooth)
     end do
-  end subroutine lay_teeth
+  end subroutine find_tooth_errors
 
   !> Position error of each flank in the direction of counting (m), (tooth).
-  pure function out_of_place(flanks, teeth) result(position)
+  pure function pitch_position(flanks, teeth) result(position)
     type(flank_deviations_t), intent(in) :: flanks
     integer, intent(in) :: teeth
     real(dp) :: position(teeth)
@@ -177,35 +176,35 @@ contains
     position = 0
     if (allocated(flanks%single_pitch)) position = [(sum(flanks%single_pitch(:i)), i=1, teeth)]
     if (allocated(flanks%cumulative_pitch)) position = flanks%cumulative_pitch
-  end function out_of_place
+  end function pitch_position
 
   !> Position error of each coast flank. If stated separately, they have the mean of the drive flanks: a difference of the means is
   !> the tooth thickness, which the backlash covers.
-  pure function coast_out_of_place(flanks, teeth) result(position)
+  pure function coast_pitch_position(flanks, teeth) result(position)
     type(flank_deviations_t), intent(in) :: flanks
     integer, intent(in) :: teeth
     real(dp) :: position(teeth)
 
-    position = out_of_place(flanks, teeth)
+    position = pitch_position(flanks, teeth)
     if (allocated(flanks%coast_pitch)) position = flanks%coast_pitch + sum(position - flanks%coast_pitch)/teeth
-  end function coast_out_of_place
+  end function coast_pitch_position
 
   !> Values of each tooth from one value for all teeth, one for each, or none (0); (tooth).
-  pure function of_each(told, teeth) result(values)
-    real(dp), allocatable, intent(in) :: told(:)
+  pure function per_tooth(stated, teeth) result(values)
+    real(dp), allocatable, intent(in) :: stated(:)
     integer, intent(in) :: teeth
     real(dp) :: values(teeth)
     integer :: i
 
     values = 0
-    if (allocated(told)) values = told([(min(i, size(told)), i=1, teeth)])
-  end function of_each
+    if (allocated(stated)) values = stated([(min(i, size(stated)), i=1, teeth)])
+  end function per_tooth
 
-  !> Number of the tooth that engages `behind` teeth after the stated one.
-  pure integer function tooth_number(flanks, teeth, behind)
+  !> Number of the tooth that engages `later` teeth after the stated one.
+  pure integer function tooth_number(flanks, teeth, later)
     type(flank_deviations_t), intent(in) :: flanks
-    integer, intent(in) :: teeth, behind
+    integer, intent(in) :: teeth, later
 
-    tooth_number = 1 + modulo(flanks%tooth - 1 + merge(behind, -behind, flanks%ascends), teeth)
+    tooth_number = 1 + modulo(flanks%tooth - 1 + merge(later, -later, flanks%ascends), teeth)
   end function tooth_number
 end module gearsweep_mesh_flank_deviations

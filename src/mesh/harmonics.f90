@@ -65,7 +65,14 @@ contains
     most = most_halvings
     if (present(halvings)) most = halvings
     call smooth_segments(mesh, load, intervals, segments)
-    call set_up(mesh, load, count, intervals, segments, f)
+    f%mesh = mesh
+    f%load = load
+    call gauss_legendre(f%node, f%weight)
+    f%node = (1 + f%node)/2
+    f%weight = f%weight/2
+    f%scale = maxval([(error_at(f, intervals(segments(i)%interval), segments(i)%first), i=1, size(segments))])
+    ! Rounding errors of the phase grow with the harmonic.
+    f%tolerance = 1e-13_dp + 4e-15_dp*count
     if (present(base)) f%base = base
     call find_range(f, intervals, harmonics%least, harmonics%largest)
     total = 0
@@ -109,25 +116,6 @@ contains
 
     peak_to_peak = self%largest - self%least
   end function peak_to_peak
-
-  pure subroutine set_up(mesh, load, count, intervals, segments, f)
-    type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: load
-    integer, intent(in) :: count
-    type(interval_t), intent(in) :: intervals(:)
-    type(segment_t), intent(in) :: segments(:)
-    type(integrand_t), intent(out) :: f
-    integer :: i
-
-    f%mesh = mesh
-    f%load = load
-    call gauss_legendre(f%node, f%weight)
-    f%node = (1 + f%node)/2
-    f%weight = f%weight/2
-    f%scale = maxval([(error_at(f, intervals(segments(i)%interval), segments(i)%first), i=1, size(segments))])
-    ! Rounding errors of the phase grow with the harmonic.
-    f%tolerance = 1e-13_dp + 4e-15_dp*count
-  end subroutine set_up
 
   !> Static transmission error of the pairs, without the turning of discs, m.
   pure real(dp) function error_at(f, interval, phase)
@@ -221,10 +209,10 @@ contains
       outermost(way) = maxval(x)
       do i = 1, size(intervals)
         do k = 0, steps(i)
-          associate (before => max(0, k - 1), behind => min(steps(i), k + 1))
-            if (x(k, i) < max(x(before, i), x(behind, i)) .or. &
-                2*x(k, i) - min(x(before, i), x(behind, i)) <= outermost(way)) cycle
-            outermost(way) = max(outermost(way), summit(f, intervals(i), phase(i, before), phase(i, behind), 3 - 2*way))
+          associate (before => max(0, k - 1), after => min(steps(i), k + 1))
+            if (x(k, i) < max(x(before, i), x(after, i)) .or. &
+                2*x(k, i) - min(x(before, i), x(after, i)) <= outermost(way)) cycle
+            outermost(way) = max(outermost(way), summit(f, intervals(i), phase(i, before), phase(i, after), 3 - 2*way))
           end associate
         end do
       end do

@@ -90,7 +90,10 @@ contains
       real(dp), allocatable :: of(:)
     end type phases_t
     type(phases_t) :: breaks(size(intervals))
-    integer :: i, k
+    integer, parameter :: looks = 8
+    real(dp), allocatable :: list(:)
+    real(dp) :: from, until
+    integer :: i, j, k, n
 
     do i = 1, size(intervals)
       if (at_knots) then
@@ -98,39 +101,27 @@ contains
       else
         breaks(i)%of = [intervals(i)%first, intervals(i)%last]
       end if
-      call add_contact_breaks(mesh, balance, intervals(i), breaks(i)%of)
+      if (intervals(i)%pairs == 1) cycle
+      ! Between two breaks the set of loaded pairs is checked at a few places; a change and its reverse between them are too short
+      ! to matter.
+      associate (of => breaks(i)%of)
+        list = [of, of]
+        n = 1
+        do j = 1, size(of) - 1
+          from = of(j)
+          do k = 1, looks
+            until = of(j) + (of(j + 1) - of(j))*k/looks
+            call find_changes(mesh, balance, intervals(i), from, until, list, n)
+            from = until
+          end do
+          if (of(j + 1) < list(n) + same_phase) n = n - 1
+          call append(list, n, of(j + 1))
+        end do
+      end associate
+      breaks(i)%of = list(:n)
     end do
     segments = [((segment_t(breaks(i)%of(k), breaks(i)%of(k + 1), i), k=1, size(breaks(i)%of) - 1), i=1, size(intervals))]
   end subroutine split
-
-  !> Adds the phases at which the set of loaded pairs changes. Between two breaks the set is checked at a few places; a change and
-  !> its reverse between them are too short to matter.
-  pure subroutine add_contact_breaks(mesh, balance, interval, breaks)
-    type(mesh_t), intent(in) :: mesh
-    type(balance_t), intent(in) :: balance
-    type(interval_t), intent(in) :: interval
-    real(dp), allocatable, intent(inout) :: breaks(:)
-    integer, parameter :: looks = 8
-    real(dp), allocatable :: list(:)
-    real(dp) :: from, until
-    integer :: i, k, n
-
-    if (interval%pairs == 1) return
-    allocate (list(2*size(breaks)))
-    list(1) = breaks(1)
-    n = 1
-    do i = 1, size(breaks) - 1
-      from = breaks(i)
-      do k = 1, looks
-        until = breaks(i) + (breaks(i + 1) - breaks(i))*k/looks
-        call find_changes(mesh, balance, interval, from, until, list, n)
-        from = until
-      end do
-      if (breaks(i + 1) < list(n) + same_phase) n = n - 1
-      call append(list, n, breaks(i + 1))
-    end do
-    breaks = list(:n)
-  end subroutine add_contact_breaks
 
   !> Appends to the first `n` of a list, which grows in linear time.
   pure subroutine append(list, n, value)
@@ -153,15 +144,15 @@ contains
     real(dp), allocatable, intent(inout) :: list(:)
     integer, intent(inout) :: listed
     integer, parameter :: most = 8
-    logical, dimension(interval%pairs) :: before, behind
+    logical, dimension(interval%pairs) :: before, after
     type(bracket_t) :: change
     integer :: n
 
     before = carrying(mesh, balance, interval, from)
-    behind = carrying(mesh, balance, interval, until)
+    after = carrying(mesh, balance, interval, until)
     change = bracket_t(from, until)
     do n = 1, most
-      if (all(before .eqv. behind)) return
+      if (all(before .eqv. after)) return
       do while (change%is_open())
         call change%halve(all(carrying(mesh, balance, interval, change%middle()) .eqv. before))
       end do
@@ -424,14 +415,14 @@ contains
     real(dp), intent(in) :: load, s
     real(dp), allocatable :: stiffness(:), flattening(:), error(:), shared(:, :), force(:)
     real(dp) :: place, deflection
-    integer :: before, behind, j
+    integer :: before, after, j
 
     ! Numbers of pairs before and after this one.
     before = max(0, floor(s - mesh%reach(1)))
-    behind = max(0, ceiling(mesh%reach(2) - s) - 1)
-    allocate (stiffness(-before:behind), flattening(-before:behind), error(-before:behind), force(-before:behind))
-    allocate (shared(0:2, -before:max(behind - 1, -before)))
-    do j = -before, behind
+    after = max(0, ceiling(mesh%reach(2) - s) - 1)
+    allocate (stiffness(-before:after), flattening(-before:after), error(-before:after), force(-before:after))
+    allocate (shared(0:2, -before:max(after - 1, -before)))
+    do j = -before, after
       place = s - floor(s) + (floor(s) + j + 1) - 1
       stiffness(j) = mesh%stiffness%value(place, mesh%stiffness%locate(place))
       flattening(j) = mesh%flattening%at(place, mesh%contact_ratio)

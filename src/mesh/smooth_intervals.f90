@@ -40,11 +40,11 @@ contains
       intervals(i)%last = breaks(i + 1)
       call list_pairs(mesh, (breaks(i) + breaks(i + 1))/2, profile_breaks, stiffness_breaks, intervals(i))
     end do
-    if (mesh%deviations%any()) intervals = over_turn(mesh, intervals)
+    if (mesh%deviations%any()) intervals = repeat_intervals(mesh, intervals)
   end function smooth_intervals
 
   !> Intervals of all mesh periods after which the deviations repeat.
-  pure function over_turn(mesh, intervals) result(all_intervals)
+  pure function repeat_intervals(mesh, intervals) result(all_intervals)
     type(mesh_t), intent(in) :: mesh
     type(interval_t), intent(in) :: intervals(:)           !< intervals of one mesh period
     type(interval_t), allocatable :: all_intervals(:)
@@ -66,7 +66,7 @@ contains
         end do
       end associate
     end do
-  end function over_turn
+  end function repeat_intervals
 
   !> Lists the pairs that may be in contact at the middle of an interval, and so in all of it.
   pure subroutine list_pairs(mesh, middle, profile_breaks, stiffness_breaks, interval)
@@ -133,6 +133,7 @@ contains
     type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
     type(piecewise_t) :: part
+    real(dp), allocatable :: coef(:, :)
     integer :: first, last, pieces
 
     call check_rows(contact_ratio, s, values, error)
@@ -156,16 +157,9 @@ contains
       first = last + 1
     end do
     curve%breaks = curve%breaks(:pieces + 1)
-    curve%coef = from_zero(curve%coef(:, :pieces))
+    allocate (coef(0:3, pieces), source=curve%coef(:, :pieces))
+    call move_alloc(coef, curve%coef)
   end subroutine profile_table
-
-  !> Copy of the coefficients with powers from 0.
-  pure function from_zero(coef) result(same)
-    real(dp), intent(in) :: coef(:, :)
-    real(dp) :: same(0:size(coef, 1) - 1, size(coef, 2))
-
-    same = coef
-  end function from_zero
 
   pure subroutine check_rows(contact_ratio, s, values, error)
     real(dp), intent(in) :: contact_ratio, s(:), values(:)

@@ -218,31 +218,17 @@ contains
     type(material_t), intent(in) :: material
     real(dp), intent(in) :: radius
     real(dp), intent(out) :: compliance, depth
-    real(dp) :: angle, height, root_width, bending, shear, lever
+    real(dp) :: angle, height, root_width, bending, shear, lever, y, w, step
+    integer, parameter :: intervals = 12
+    real(dp), parameter :: node(3) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)], weight(3) = [5, 8, 5]/18.0_dp
+    integer :: i, k
 
     lever = gear%half_angle(drive, radius)
     angle = acos(gear%base_radius(drive)/radius) - lever
     depth = radius*sin(lever)/cos(angle)
     height = gear%base_radius(drive)/cos(angle) - beam%root
     root_width = width(beam, beam%root)
-    call beam_integrals(beam, height, bending, shear)
-    associate (nu => material%poisson, t => tan(angle)**2, ratio => height/root_width)
-      compliance = cos(angle)**2*(1 - nu**2)/material%young &
-        *(12*bending + (2.4_dp/(1 - nu) + t)*shear &
-          + 18/pi*ratio**2 + 2*(1 - 2*nu)/(1 - nu)*ratio + 4.8_dp/pi*(1 + (1 - nu)/2.4_dp*t))
-    end associate
-  end subroutine load_tooth
-
-  !> Computes the integrals over the height of (height - y)^2/width^3 and 1/width, by Gauss's rule.
-  pure subroutine beam_integrals(beam, height, bending, shear)
-    type(beam_t), intent(in) :: beam
-    real(dp), intent(in) :: height
-    real(dp), intent(out) :: bending, shear
-    integer, parameter :: intervals = 12
-    real(dp), parameter :: node(3) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)], weight(3) = [5, 8, 5]/18.0_dp
-    real(dp) :: y, w, step
-    integer :: i, k
-
+    ! Integrals over the height of (height - y)^2/width^3 and 1/width, by the Gauss rule.
     bending = 0
     shear = 0
     step = height/intervals
@@ -254,7 +240,12 @@ contains
         shear = shear + step*weight(k)/w
       end do
     end do
-  end subroutine beam_integrals
+    associate (nu => material%poisson, t => tan(angle)**2, ratio => height/root_width)
+      compliance = cos(angle)**2*(1 - nu**2)/material%young &
+        *(12*bending + (2.4_dp/(1 - nu) + t)*shear &
+          + 18/pi*ratio**2 + 2*(1 - 2*nu)/(1 - nu)*ratio + 4.8_dp/pi*(1 + (1 - nu)/2.4_dp*t))
+    end associate
+  end subroutine load_tooth
 
   pure real(dp) function width(beam, y)
     type(beam_t), intent(in) :: beam

@@ -8,12 +8,12 @@ module gearsweep_nonlinear_branch
     tangent_of, width
   implicit none
   private
-  public :: branch_point_t, follow_options_t, curve_t, follow, measure, end_name, end_range, end_closed, end_doubling, end_lost, &
+  public :: branch_point_t, follow_options_t, curve_t, follow, measure, end_names, end_range, end_closed, end_doubling, end_lost, &
             end_length, end_stopped
 
   !> Kinds of the end of a branch.
   integer, parameter :: end_range = 1, end_closed = 2, end_doubling = 3, end_lost = 4, end_length = 5, end_stopped = 6
-  character(*), parameter :: names(6) = [character(8) :: 'range', 'closed', 'doubling', 'lost', 'length', 'stopped']
+  character(*), parameter :: end_names(6) = [character(8) :: 'range', 'closed', 'doubling', 'lost', 'length', 'stopped']
 
   type :: branch_point_t
     real(dp) :: z(3) = 0                         !< state and parameter, as in gearsweep_nonlinear_motion_equations
@@ -48,13 +48,6 @@ module gearsweep_nonlinear_branch
 
 contains
 
-  !> Word for an end in tables.
-  elemental character(8) function end_name(end)
-    integer, intent(in) :: end
-
-    end_name = names(end)
-  end function end_name
-
   !> Follows a branch from a point on it until it ends.
   subroutine follow(equations, start, sense, options, curve)
     class(motion_equations_t), intent(inout) :: equations
@@ -80,34 +73,26 @@ contains
       if (curve%count >= options%most_points) exit
       curve%end = end_stopped
       if (wants_stop(options%stop)) exit
-      call take_step(equations, sense, options, here, step, there, accepted)
+      call find_next(equations, sense, options, here, step, there, accepted)
       curve%end = end_lost
       if (.not. accepted) exit
       here = there
       call append(here, curve)
-      curve%end = how_it_ends(equations, curve)
+      curve%end = 0
+      associate (last => curve%point(curve%count), before => curve%point(curve%count - 1))
+        if (.not. (last%z(3) > 0 .and. last%z(3) < width)) curve%end = end_range
+        if (dot_product(last%half, before%half) < 0) curve%end = end_doubling
+        if (curve%end == 0 .and. curve%count > 3) then
+          if (is_closed(equations, curve%point(1), before, last)) curve%end = end_closed
+        end if
+      end associate
       if (curve%end > 0) exit
     end do
   end subroutine follow
 
-  !> Kind of the end at the last point; 0: the branch continues.
-  integer function how_it_ends(equations, curve) result(end)
-    class(motion_equations_t), intent(inout) :: equations
-    type(curve_t), intent(in) :: curve
-
-    end = 0
-    associate (last => curve%point(curve%count), before => curve%point(curve%count - 1))
-      if (.not. (last%z(3) > 0 .and. last%z(3) < width)) end = end_range
-      if (dot_product(last%half, before%half) < 0) end = end_doubling
-      if (end == 0 .and. curve%count > 3) then
-        if (is_back(equations, curve%point(1), before, last)) end = end_closed
-      end if
-    end associate
-  end function how_it_ends
-
   !> True if the step between two points passes the first one, in the same direction, at any shift of the motion's start by mesh
   !> periods.
-  logical function is_back(equations, first, before, last)
+  logical function is_closed(equations, first, before, last)
     class(motion_equations_t), intent(inout) :: equations
     type(branch_point_t), intent(in) :: first, before, last
     type(motion_t) :: motion
@@ -115,7 +100,7 @@ contains
     integer :: i
     logical :: ok
 
-    is_back = .false.
+    is_closed = .false.
     chord = last%z - before%z
     size = norm2(chord)
     if (abs(first%z(3) - last%z(3)) > 2*size) return
@@ -124,15 +109,15 @@ contains
     do i = 1, equations%periods
       at = [motion%state(:, i), first%z(3)]
       along = dot_product(at - before%z, chord)/size**2
-      is_back = along >= 0 .and. along < 1 .and. norm2(at - before%z - along*chord) < 0.2_dp*size .and. &
+      is_closed = along >= 0 .and. along < 1 .and. norm2(at - before%z - along*chord) < 0.2_dp*size .and. &
                 (i < equations%periods .or. dot_product(chord, first%tangent) > 0)
-      if (is_back) return
+      if (is_closed) return
     end do
-  end function is_back
+  end function is_closed
 
   !> Finds the next point. The step is halved until the branch bends little over it; at a corner, where it bends sharply, it is the
   !> shortest allowed.
-  subroutine take_step(equations, sense, options, here, step, there, accepted)
+  subroutine find_next(equations, sense, options, here, step, there, accepted)
     class(motion_equations_t), intent(inout) :: equations
     integer, intent(in) :: sense
     type(follow_options_t), intent(in) :: options
@@ -156,7 +141,7 @@ contains
       end if
       step = step/2
     end do
-  end subroutine take_step
+  end subroutine find_next
 
   !> Predicts along a direction and corrects, at the ends of the range in the plane of constant parameter.
   subroutine try_step(equations, sense, here, direction, step, there, ok)

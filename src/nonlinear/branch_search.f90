@@ -86,12 +86,16 @@ contains
     integer :: i
     logical :: ok, goes_on
     integer, parameter :: most = 6               ! most grazings between two points
+    real(dp), parameter :: rounding = 1e-6_dp, upright = 1e-8_dp
 
     call equations%choose_steps(a%z, ok)
     if (.not. ok .or. .not. norm2(b%z - a%z) > 0) return
     left = side_t(a%z, a%test, a%modulus, a%events, [a%partial, a%lost, a%coast])
     right = side_t(b%z, b%test, b%modulus, b%events, [b%partial, b%lost, b%coast])
-    if (is_vertical(left, right)) then
+    ! The branch is vertical: only the motion changes, and a multiplier is 1 throughout. A doubled branch in full contact, where
+    ! the period map is linear, is an example.
+    if (max(abs(left%test(1)), abs(right%test(1))) < rounding .and. abs(right%z(3) - left%z(3)) < &
+        upright*norm2(right%z - left%z)) then
       i = size(specials)
       goes_on = .false.
       if (i > 0) goes_on = specials(i)%until == after
@@ -108,20 +112,11 @@ contains
       call add(equations, sense, after, kind_grazing, low, high, overlap, specials)
       call find_in_part(equations, a%jacobian, sense, after, low, high, specials)
       left = high
-      call step_beyond(equations, a%jacobian, right, left)
+      call pass_change(equations, a%jacobian, right, left)
     end do
     if (.not. is_alike(left, right)) call add(equations, sense, after, kind_unknown, left, right, overlap_t(), specials)
     call find_in_part(equations, a%jacobian, sense, after, left, right, specials)
   end subroutine find_specials
-
-  !> True if the branch is vertical between two points: only the motion changes, and a multiplier is 1 throughout. A doubled branch
-  !> in full contact, where the period map is linear, is an example.
-  pure logical function is_vertical(a, b)
-    type(side_t), intent(in) :: a, b
-    real(dp), parameter :: rounding = 1e-6_dp, upright = 1e-8_dp
-
-    is_vertical = max(abs(a%test(1)), abs(b%test(1))) < rounding .and. abs(b%z(3) - a%z(3)) < upright*norm2(b%z - a%z)
-  end function is_vertical
 
   !> True if both motions have the same contact.
   pure logical function is_alike(a, b)
@@ -172,7 +167,7 @@ contains
 
   !> Moves to a motion just beyond a change of contact, at most to the end of the segment. If Newton's method fails, the motion
   !> remains unchanged.
-  subroutine step_beyond(equations, jacobian, right, left)
+  subroutine pass_change(equations, jacobian, right, left)
     class(motion_equations_t), intent(inout) :: equations
     real(dp), intent(in) :: jacobian(2, 3)
     type(side_t), intent(in) :: right
@@ -192,7 +187,7 @@ contains
       call side_at(equations, segment, steps(i)/segment%length, left, motion, value, ok)
       if (ok) return
     end do
-  end subroutine step_beyond
+  end subroutine pass_change
 
   pure type(segment_t) function segment_between(low, high, kind, jacobian) result(segment)
     type(side_t), intent(in) :: low, high
@@ -236,11 +231,13 @@ contains
     type(segment_t), intent(inout) :: segment
     type(side_t), intent(inout) :: low, high
     integer, parameter :: most = 120, bisections = 8
+    !> Other points between the same two, for Newton's method if it fails at the first.
+    real(dp), parameter :: parts(*) = [0.25_dp, 0.75_dp, 0.06_dp, 0.94_dp]
     type(side_t) :: middle
     type(motion_t) :: motion
     type(bracket_t) :: place
     real(dp) :: at, now
-    integer :: trial
+    integer :: trial, i
     logical :: ok
 
     place = bracket_t(0.0_dp, 1.0_dp, [1.0_dp, -1.0_dp])
@@ -248,7 +245,12 @@ contains
       at = place%middle()
       if (trial > bisections .and. modulo(trial, 4) /= 0 .and. (segment%kind /= kind_grazing .or. segment%by_overlap)) &
         at = place%chord_zero()
-      call try_places(equations, segment, place, at, middle, motion, now, ok)
+      call side_at(equations, segment, at, middle, motion, now, ok)
+      do i = 1, size(parts)
+        if (ok) exit
+        at = place%low + parts(i)*(place%high - place%low)
+        if (at > place%low .and. at < place%high) call side_at(equations, segment, at, middle, motion, now, ok)
+      end do
       if (.not. ok) exit
       if (now > 0) then
         low = middle
@@ -262,27 +264,6 @@ contains
     end do
   end subroutine narrow_on_chord
 
-  !> Corrects a point on the chord to the branch or, if Newton's method fails there, another point between the same two.
-  subroutine try_places(equations, segment, between, at, side, motion, value, ok)
-    class(motion_equations_t), intent(inout) :: equations
-    type(segment_t), intent(in) :: segment
-    type(bracket_t), intent(in) :: between
-    real(dp), intent(inout) :: at
-    type(side_t), intent(out) :: side
-    type(motion_t), intent(out) :: motion
-    real(dp), intent(out) :: value
-    logical, intent(out) :: ok
-    real(dp), parameter :: parts(*) = [0.25_dp, 0.75_dp, 0.06_dp, 0.94_dp]
-    integer :: i
-
-    call side_at(equations, segment, at, side, motion, value, ok)
-    do i = 1, size(parts)
-      if (ok) return
-      at = between%low + parts(i)*(between%high - between%low)
-      if (at > between%low .and. at < between%high) call side_at(equations, segment, at, side, motion, value, ok)
-    end do
-  end subroutine try_places
-
   !> Corrects a point on the chord to the branch and returns the test function, with the sign that is positive at the start of the
   !> segment.
   subroutine side_at(equations, segment, place, side, motion, value, ok)
@@ -293,7 +274,9 @@ contains
     type(motion_t), intent(out) :: motion
     real(dp), intent(out) :: value
     logical, intent(out) :: ok
-    real(dp) :: jacobian(2, 3), z(3), trace, determinant
+    real(dp) :: jacobian(2, 3), z(3), trace, determinant, distance, best
+    real(dp), parameter :: nearby = 0.05_dp
+    integer :: i
 
     z = segment%from + place*segment%chord
     jacobian = segment%jacobian
@@ -311,31 +294,20 @@ contains
       value = segment%sign*side%test(segment%kind)
     else
       value = merge(1, -1, is_alike(side, segment%begin))
-      if (segment%by_overlap) call value_of_overlap(equations, segment, motion, value)
+      if (segment%by_overlap) then
+        best = nearby
+        do i = 1, motion%overlaps%count
+          associate (now => motion%overlaps%list(i), sought => segment%sought)
+            if (now%contact /= sought%contact .or. now%period /= sought%period .or. (now%at_break .neqv. sought%at_break)) cycle
+            distance = abs(now%phase - sought%phase)
+            if (distance >= best) cycle
+            best = distance
+            value = segment%sign*(now%value/equations%scale(1))
+          end associate
+        end do
+      end if
     end if
   end subroutine side_at
-
-  !> Returns the overlap sought, over the static deflection; if it is not found, the value is unchanged.
-  subroutine value_of_overlap(equations, segment, motion, value)
-    class(motion_equations_t), intent(in) :: equations
-    type(segment_t), intent(in) :: segment
-    type(motion_t), intent(in) :: motion
-    real(dp), intent(inout) :: value
-    real(dp), parameter :: nearby = 0.05_dp      ! part of a mesh period
-    real(dp) :: distance, best
-    integer :: i
-
-    best = nearby
-    do i = 1, motion%overlaps%count
-      associate (now => motion%overlaps%list(i), sought => segment%sought)
-        if (now%contact /= sought%contact .or. now%period /= sought%period .or. (now%at_break .neqv. sought%at_break)) cycle
-        distance = abs(now%phase - sought%phase)
-        if (distance >= best) cycle
-        best = distance
-        value = segment%sign*(now%value/equations%scale(1))
-      end associate
-    end do
-  end subroutine value_of_overlap
 
   !> Chooses the overlap that passes zero between two motions: among those of one contact with different signs at the two motions,
   !> the one nearest to zero at both.
@@ -594,7 +566,7 @@ contains
         if (specials(i)%kind /= kind_doubling) cycle
         equations%periods = branches(done)%periods
         if (is_known(equations, branches, specials(i)%start)) cycle
-        call step_aside(equations, specials(i)%start, z, ok)
+        call leave_doubling(equations, specials(i)%start, z, ok)
         if (ok) call add_from(equations, z, options, branches)
       end do
     end do
@@ -626,7 +598,7 @@ contains
   end function is_known
 
   !> Finds a motion of twice the period near a doubling, in the direction of the eigenvector of the multiplier -1.
-  subroutine step_aside(equations, from, z, ok)
+  subroutine leave_doubling(equations, from, z, ok)
     class(motion_equations_t), intent(inout) :: equations    ! equations of the single, then of the double period
     real(dp), intent(in) :: from(3)
     real(dp), intent(out) :: z(3)
@@ -652,5 +624,5 @@ contains
       if (ok) ok = norm2(motion%state(:, equations%periods/2) - z(:2)) > sizes(i)/2
       if (ok) return
     end do
-  end subroutine step_aside
+  end subroutine leave_doubling
 end module gearsweep_nonlinear_branch_search

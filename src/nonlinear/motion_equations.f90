@@ -17,7 +17,7 @@ module gearsweep_nonlinear_motion_equations
   implicit none
   private
   public :: correct, tangent_of, angle_between, family_t, motion_t, motion_equations_t, make_equations, factor_of_motion, width, &
-            kind_name
+            kind_names
 
   !> Step size below which Newton's method has converged.
   real(dp), parameter :: small = 1e-11_dp
@@ -63,6 +63,7 @@ module gearsweep_nonlinear_motion_equations
 
   !> Unknown: contact or stability changes at an unknown point. Vertical: a line of motions at one value of the parameter.
   integer, parameter, public :: kind_fold = 1, kind_doubling = 2, kind_grazing = 3, kind_unknown = 4, kind_vertical = 5
+  !> Words for them in tables.
   character(*), parameter :: kind_names(5) = [character(8) :: 'fold', 'doubling', 'grazing', 'unknown', 'vertical']
   real(dp), parameter :: width = 10
 
@@ -181,13 +182,6 @@ contains
     end do
   end subroutine solve_small
 
-  !> Word for a kind in tables.
-  elemental character(8) function kind_name(kind)
-    integer, intent(in) :: kind
-
-    kind_name = kind_names(kind)
-  end function kind_name
-
   !> Builds the equations of a family, at the first value of the parameter.
   subroutine make_equations(family, angle, equations, error)
     class(family_t), intent(in) :: family
@@ -278,7 +272,12 @@ contains
       if (.not. ok) return
       motion%each(:, :, i) = run%monodromy*spread(scale, 1, 2)/spread(scale, 2, 2)
       motion%monodromy = matmul(motion%each(:, :, i), motion%monodromy)
-      call add_up(run, motion)
+      motion%peak = max(motion%peak, run%peak)
+      motion%dte = join(motion%dte, run%dte)
+      motion%events = motion%events + run%events
+      motion%partial = motion%partial .or. run%partial
+      motion%lost = motion%lost .or. run%lost
+      motion%coast = motion%coast .or. run%coast
     end do
     if (watch) call move_alloc(trace%overlaps, motion%overlaps)
   end subroutine run_motion
@@ -304,18 +303,6 @@ contains
     scale = self%scale*[1.0_dp, duration]
   end subroutine prepare_map
 
-  pure subroutine add_up(run, motion)
-    type(period_t), intent(in) :: run
-    type(motion_t), intent(inout) :: motion
-
-    motion%peak = max(motion%peak, run%peak)
-    motion%dte = join(motion%dte, run%dte)
-    motion%events = motion%events + run%events
-    motion%partial = motion%partial .or. run%partial
-    motion%lost = motion%lost .or. run%lost
-    motion%coast = motion%coast .or. run%coast
-  end subroutine add_up
-
   !> Evaluates x(nT) - x(0).
   subroutine evaluate(self, z, g, ok)
     class(motion_equations_t), intent(inout) :: self
@@ -339,7 +326,9 @@ contains
     logical, intent(out) :: ok
     real(dp), parameter :: step = 1e-7_dp
     type(motion_t) :: motion
-    real(dp) :: sides(3, 2)
+    real(dp) :: sides(3, 2), ends(2, self%periods, 2), scale(2)
+    type(period_t) :: run
+    integer :: i, k
 
     jacobian = 0
     call self%run_motion(z, .false., motion, ok)
@@ -349,25 +338,7 @@ contains
     associate (family => self%family)
       sides(3, 1) = max(sides(3, 1), width*(family%least - family%first)/(family%last - family%first))
     end associate
-    call differentiate_maps(self, motion, sides, jacobian(:, 3), ok)
-    if (.not. ok) return
-    jacobian(:, :2) = motion%monodromy
-    jacobian(1, 1) = jacobian(1, 1) - 1
-    jacobian(2, 2) = jacobian(2, 2) - 1
-  end subroutine differentiate
-
-  !> Differentiates the last state of a motion by the parameter's unknown, from both sides.
-  subroutine differentiate_maps(self, motion, sides, column, ok)
-    class(motion_equations_t), intent(inout) :: self
-    type(motion_t), intent(in) :: motion
-    real(dp), intent(in) :: sides(3, 2)
-    real(dp), intent(out) :: column(2)
-    logical, intent(out) :: ok
-    type(period_t) :: run
-    real(dp) :: ends(2, self%periods, 2), scale(2)
-    integer :: i, k
-
-    column = 0
+    jacobian(:, 3) = 0
     do k = 1, 2
       call prepare_map(self, sides(:, k), scale, ok)
       if (.not. ok) return
@@ -380,9 +351,12 @@ contains
     end do
     self%runs = self%runs + 2*self%periods
     do i = 1, self%periods
-      column = matmul(motion%each(:, :, i), column) + (ends(:, i, 2) - ends(:, i, 1))/(sides(3, 2) - sides(3, 1))
+      jacobian(:, 3) = matmul(motion%each(:, :, i), jacobian(:, 3)) + (ends(:, i, 2) - ends(:, i, 1))/(sides(3, 2) - sides(3, 1))
     end do
-  end subroutine differentiate_maps
+    jacobian(:, :2) = motion%monodromy
+    jacobian(1, 1) = jacobian(1, 1) - 1
+    jacobian(2, 2) = jacobian(2, 2) - 1
+  end subroutine differentiate
 
   !> Dynamic factor of a motion, and the largest modulus of its multipliers.
   pure function factor_of_motion(osc, motion) result(factor)

@@ -18,7 +18,7 @@ module gearsweep_nonlinear_sensitivity
   implicit none
   private
   public :: difference_t, make_difference, differentiable_t, variation_t, slopes_t, prepare_motion, differentiate_motion, &
-            differentiate_static, amplitude_slopes, slope_name
+            differentiate_static, amplitude_slopes, slope_names
 
   !> Stencil of seven points: three on each side of the centre or, without smaller values, six above it.
   type :: difference_t
@@ -83,7 +83,7 @@ module gearsweep_nonlinear_sensitivity
   !> place; contact begins or ends where a pair enters or leaves; or within the path (grazing); a multiplier is 1, and the motion
   !> has no derivative (fold); there is no motion, or none nearby.
   integer, parameter, public :: is_smooth = 1, is_least = 2, at_peak = 3, at_contact = 4, at_grazing = 5, at_fold = 6, is_none = 7
-  character(*), parameter :: names(7) = [character(8) :: 'smooth', 'least', 'peak', 'contact', 'grazing', 'fold', 'none']
+  character(*), parameter :: slope_names(7) = [character(8) :: 'smooth', 'least', 'peak', 'contact', 'grazing', 'fold', 'none']
 
   !> Derivatives by one number, per unit of it; NaN for none.
   type :: slopes_t
@@ -169,7 +169,8 @@ contains
     type(trace_t) :: trace
     type(period_t) :: run
     real(dp) :: peak, sums(2*motion%harmonics + 1)
-    integer :: i
+    integer :: i, k, last
+    integer, parameter :: many = 1000003
 
     call discretise(osc, motion%resolution(level), map)
     if (map%steps == 0) return
@@ -185,27 +186,18 @@ contains
       reading%state = run%state
       reading%monodromy = matmul(run%monodromy, reading%monodromy)
       peak = max(peak, run%peak)
-      call note_contacts(trace, reading%contacts)
+      ! Checksum of the contact sets in their order.
+      last = -1
+      do k = 1, trace%rows
+        if (trace%contact_set(k) == last) cycle
+        last = trace%contact_set(k)
+        reading%contacts = modulo(31*reading%contacts + last + 1, many)
+      end do
       call add_harmonics(trace, motion%harmonics, sums)
     end do
     reading%found = all(abs(reading%state) < huge(1.0_dp))
     reading%value = [peak/osc%load, sums/motion%periods]
   end subroutine read_motion
-
-  !> Adds the contact sets of a mesh period in their order to the checksum.
-  pure subroutine note_contacts(trace, contacts)
-    type(trace_t), intent(in) :: trace
-    integer, intent(inout) :: contacts
-    integer, parameter :: many = 1000003
-    integer :: k, last
-
-    last = -1
-    do k = 1, trace%rows
-      if (trace%contact_set(k) == last) cycle
-      last = trace%contact_set(k)
-      contacts = modulo(31*contacts + last + 1, many)
-    end do
-  end subroutine note_contacts
 
   !> Adds a mesh period's integrals of the transmission error x: of x, 2 x cos(2 pi k tau) and -2 x sin(2 pi k tau), so that the
   !> amplitude's phase is that of gearsweep_motion_spectrum. Gauss's rule is accurate for steps much shorter than a cycle.
@@ -268,13 +260,6 @@ contains
     end do
   end subroutine nearest_change
 
-  !> Word for a kind in tables.
-  elemental character(8) function slope_name(kind)
-    integer, intent(in) :: kind
-
-    slope_name = names(kind)
-  end function slope_name
-
   !> Prepares a motion in steps of 0.1 rad of the natural motion, and in half as many; below some speed, in four times and twice the
   !> steps of its operating point.
   subroutine prepare_motion(osc, duration, point, harmonics, motion)
@@ -286,13 +271,26 @@ contains
     type(period_map_t) :: map
     type(steady_t) :: steady
     integer :: level
+    real(dp), parameter :: angle = 0.1_dp, fewest = 48, most = 2.0_dp**15
+    real(dp) :: steps
 
     motion%osc = osc
     motion%duration = duration
     motion%harmonics = harmonics
     motion%periods = point%steady%periods
     motion%found = has_result(point%steady%status)
-    if (motion%found) call choose_steps(osc, duration, point, motion)
+    if (motion%found) then
+      ! All intervals are shorter than a share, so that the number of their steps hardly depends on their lengths: no step number
+      ! jumps where breaks move, except where an interval passes a half, a quarter ... of the mesh period.
+      steps = max(fewest, max(osc%natural_frequency, osc%highest_frequency*max(0.5_dp, osc%damping_ratio))*duration/angle)/2
+      if (2*steps*size(osc%intervals) <= most) then
+        motion%resolution = [resolution_t(1.0_dp, ceiling(steps)), resolution_t(1.0_dp, 2*ceiling(steps))]
+      else
+        motion%resolution = point%resolution
+        motion%resolution%times = motion%resolution%times*[2, 4]
+        motion%found = point%resolution%scheme == scheme_collocation
+      end if
+    end if
     do level = coarse, fine
       if (.not. motion%found) return
       call discretise(osc, motion%resolution(level), map)
@@ -307,26 +305,6 @@ contains
     end do
   end subroutine prepare_motion
 
-  !> Chooses steps. All intervals are shorter than a share, so that the number of their steps hardly depends on their lengths: no
-  !> step number jumps where breaks move, except where an interval passes a half, a quarter ... of the mesh period.
-  pure subroutine choose_steps(osc, duration, point, motion)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: duration
-    type(point_t), intent(in) :: point
-    type(differentiable_t), intent(inout) :: motion
-    real(dp), parameter :: angle = 0.1_dp, fewest = 48, most = 2.0_dp**15
-    real(dp) :: steps
-
-    steps = max(fewest, max(osc%natural_frequency, osc%highest_frequency*max(0.5_dp, osc%damping_ratio))*duration/angle)/2
-    if (2*steps*size(osc%intervals) <= most) then
-      motion%resolution = [resolution_t(1.0_dp, ceiling(steps)), resolution_t(1.0_dp, 2*ceiling(steps))]
-    else
-      motion%resolution = point%resolution
-      motion%resolution%times = motion%resolution%times*[2, 4]
-      motion%found = point%resolution%scheme == scheme_collocation
-    end if
-  end subroutine choose_steps
-
   !> Differentiates a motion by a number. The change of the number is reduced while contact changes in another order at some point,
   !> the derivatives to both sides differ, or the differences are uncertain.
   subroutine differentiate_motion(motion, variation, slopes)
@@ -336,11 +314,14 @@ contains
     integer, parameter :: most = 5
     real(dp), parameter :: exact = 1e-7_dp
     type(trial_t) :: trial, best
-    real(dp) :: change, changed
+    real(dp) :: change, changed, unimportant
     integer :: attempt
+    logical :: at_break
 
     call no_slopes(motion%harmonics, slopes)
     if (.not. motion%found) return
+    ! Derivative of the dynamic factor below which a change of the number has no noticeable effect.
+    unimportant = 1e-9_dp*motion%reading(fine)%value(1)/variation%scale
     changed = 0
     change = closeness*variation%scale/(1 + motion%osc%natural_frequency*motion%duration*motion%periods)
     do attempt = 1, most
@@ -348,16 +329,27 @@ contains
       if (is_kept(trial)) then
         changed = change
         best = trial
-        if (trial%doubt(1) <= exact*abs(trial%slope(1)) + unimportant(motion, variation)) exit
+        if (trial%doubt(1) <= exact*abs(trial%slope(1)) + unimportant) exit
       end if
       change = change/8
     end do
     if (changed > 0) then
       slopes%kind = merge(is_least, is_smooth, best%one_sided)
       call try_change(motion, coarse, variation, changed, trial)
-      call conclude(motion, best, trial, slopes)
+      call store_slopes(motion, best, trial, slopes)
     else
-      call explain(motion, trial, slopes)
+      ! The reason why there is no derivative even for the smallest change.
+      if (trial%refused) return
+      if (.not. trial%alike) then
+        call nearest_change(motion, fine, at_break)
+        slopes%kind = merge(at_contact, at_grazing, at_break)
+      else if (.not. trial%solved) then
+        slopes%kind = at_fold
+      else
+        slopes%kind = at_peak
+        slopes%below = trial%below
+        slopes%above = trial%above
+      end if
     end if
 
   contains
@@ -369,18 +361,10 @@ contains
 
       is_kept = trial%alike .and. trial%solved .and. .not. trial%refused
       if (is_kept .and. .not. ieee_is_nan(trial%below)) is_kept = &
-        abs(trial%above - trial%below) <= same*(abs(trial%above) + abs(trial%below)) + 10*unimportant(motion, variation)
+        abs(trial%above - trial%below) <= same*(abs(trial%above) + abs(trial%below)) + 10*unimportant
       if (is_kept .and. changed > 0) is_kept = trial%doubt(1) < best%doubt(1)
     end function is_kept
   end subroutine differentiate_motion
-
-  !> Derivative of the dynamic factor below which a change of the number has no noticeable effect.
-  pure real(dp) function unimportant(motion, variation)
-    type(differentiable_t), intent(in) :: motion
-    class(variation_t), intent(in) :: variation
-
-    unimportant = 1e-9_dp*motion%reading(fine)%value(1)/variation%scale
-  end function unimportant
 
   pure subroutine no_slopes(harmonics, slopes)
     integer, intent(in) :: harmonics
@@ -477,7 +461,7 @@ contains
 
   !> Stores the derivatives in fine steps and their error estimates from steps, differences and rounding: a tenth of the difference
   !> between the steps, six times the value for the sixth order.
-  pure subroutine conclude(motion, best, rough, slopes)
+  pure subroutine store_slopes(motion, best, rough, slopes)
     type(differentiable_t), intent(in) :: motion
     type(trial_t), intent(in) :: best, rough
     type(slopes_t), intent(inout) :: slopes
@@ -497,7 +481,7 @@ contains
     slopes%above = best%above
     slopes%estimate = estimate(1)
     call amplitude_slopes(motion%reading(fine)%value(2:), best%slope(2:), estimate(2:), slopes)
-  end subroutine conclude
+  end subroutine store_slopes
 
   !> Computes derivatives of amplitudes from the mean and the cosine and sine parts of harmonics, (mean, both parts of the first, of
   !> the second ...). An amplitude of 0 has no derivative.
@@ -521,26 +505,6 @@ contains
       end associate
     end do
   end subroutine amplitude_slopes
-
-  !> Finds the reason why there is no derivative even for the smallest change.
-  subroutine explain(motion, trial, slopes)
-    type(differentiable_t), intent(in) :: motion
-    type(trial_t), intent(in) :: trial           ! trial with the smallest change
-    type(slopes_t), intent(inout) :: slopes
-    logical :: at_break
-
-    if (trial%refused) return
-    if (.not. trial%alike) then
-      call nearest_change(motion, fine, at_break)
-      slopes%kind = merge(at_contact, at_grazing, at_break)
-    else if (.not. trial%solved) then
-      slopes%kind = at_fold
-    else
-      slopes%kind = at_peak
-      slopes%below = trial%below
-      slopes%above = trial%above
-    end if
-  end subroutine explain
 
   !> Differentiates the static transmission error's mean and harmonics; the derivatives of the dynamic factor are not set.
   subroutine differentiate_static(variation, harmonics, slopes)

@@ -94,14 +94,14 @@ contains
       end if
       do k = 1, size(damping_ratio)
         if (wants_stop(hill%stop)) return
-        call judge(hill, damping_ratio(k), duration, resolved, map%modulus(first:last, k), map%sense(first:last, k))
+        call find_multipliers(hill, damping_ratio(k), duration, resolved, map%modulus(first:last, k), map%sense(first:last, k))
       end do
       first = last + 1
     end do
   end subroutine map_stability
 
   !> Computes the largest multipliers of the first speeds of a batch.
-  pure subroutine judge(hill, damping_ratio, duration, resolved, modulus, sense)
+  pure subroutine find_multipliers(hill, damping_ratio, duration, resolved, modulus, sense)
     type(hill_t), intent(inout) :: hill
     real(dp), intent(in) :: damping_ratio, duration(batch_size)
     logical, intent(in) :: resolved
@@ -121,7 +121,7 @@ contains
       modulus(l) = abs(trace(l))/2 + sqrt(square)
       sense(l) = merge(1, -1, trace(l) > 0)
     end do
-  end subroutine judge
+  end subroutine find_multipliers
 
   !> Computes trace and determinant of the monodromy matrix, for a batch of durations.
   pure subroutine disturb(hill, damping_ratio, duration, trace, determinant)
@@ -171,11 +171,11 @@ contains
       steps = 2*steps
       if (steps > most_steps) return
     end do
-    call take_steps(hill, steps, duration, damping_ratio, fine)
+    call find_traces(hill, steps, duration, damping_ratio, fine)
     do while (steps < most_steps .and. .not. (hill%lacks .or. wants_stop(hill%stop)))
       steps = 2*steps
       coarse = fine
-      call take_steps(hill, steps, duration, damping_ratio, fine)
+      call find_traces(hill, steps, duration, damping_ratio, fine)
       if (hill%lacks .or. wants_stop(hill%stop)) exit
       resolved = all(abs(fine - coarse) <= 20*tolerance*max(1.0_dp, abs(fine)))
       if (resolved) return
@@ -183,33 +183,27 @@ contains
   end subroutine make_hill
 
   !> Discretises with about `steps` steps, and computes the trace with each damping ratio.
-  pure subroutine take_steps(hill, steps, duration, damping_ratio, trace)
+  pure subroutine find_traces(hill, steps, duration, damping_ratio, trace)
     type(hill_t), intent(inout) :: hill
     integer, intent(in) :: steps
     real(dp), intent(in) :: duration, damping_ratio(:)
     real(dp), intent(out) :: trace(size(damping_ratio))
     real(dp), dimension(batch_size) :: of_speed, determinant
     integer :: k
+    real(dp), parameter :: weight(3) = [5, 8, 5]/18.0_dp
 
     call discretise(hill%osc, resolution_t(real(steps, dp)), hill%map)
     hill%lacks = hill%map%table%steps == 0
     if (hill%lacks) return
-    hill%frequency = mean_frequency(hill%map%table)
+    ! Mean of omega over the period (rad/s), by Gauss.
+    hill%frequency = sum(hill%map%table%width*matmul(weight, hill%map%table%omega(:, :hill%map%table%steps)))
     trace = 0
     do k = 1, size(damping_ratio)
       if (wants_stop(hill%stop)) return
       call disturb(hill, damping_ratio(k), spread(duration, 1, batch_size), of_speed, determinant)
       trace(k) = of_speed(1)
     end do
-  end subroutine take_steps
-
-  !> Mean of omega over the period (rad/s), by Gauss.
-  pure real(dp) function mean_frequency(table)
-    type(coefficients_t), intent(in) :: table
-    real(dp), parameter :: weight(3) = [5, 8, 5]/18.0_dp
-
-    mean_frequency = sum(table%width*matmul(weight, table%omega(:, :table%steps)))
-  end function mean_frequency
+  end subroutine find_traces
 
   !> Finds the first tongues, from the highest speed on. Excesses are accurate to some 1e-12. Once the integer of `stop` is not 0
   !> the search ends, and the tongues are not valid.
@@ -229,7 +223,7 @@ contains
     if (present(stop)) hill%stop = stop
     ! Extremes are about half a cycle of the natural motion apart.
     call make_hill(osc, 2*pi*(size(tongues) + 2)/osc%natural_frequency, [0.0_dp], 1e-6_dp, hill, resolved)
-    if (resolved) call find_middles(hill, middle, resolved)
+    if (resolved) call find_extremes(hill, middle, resolved)
     do n = 1, size(tongues)
       if (resolved) call make_hill(osc, middle(n + 1), [0.0_dp, 1.0_dp], nothing, hill, resolved)
       if (wants_stop(hill%stop)) return
@@ -239,13 +233,13 @@ contains
         return
       end if
       search = search_t(middle(n - 1), middle(n + 1), (-1)**n)
-      call close_tongue(hill, search, tongues(n))
+      call find_closing_point(hill, search, tongues(n))
       call trace_edges(hill, search, damping, tongues(n))
     end do
   end subroutine find_tongues
 
   !> Finds the durations at which the undamped trace has its extremes; `found` is false if some lie outside the range of the table.
-  subroutine find_middles(hill, middle, found)
+  subroutine find_extremes(hill, middle, found)
     type(hill_t), intent(inout) :: hill
     real(dp), intent(out) :: middle(0:)
     logical, intent(out) :: found
@@ -270,7 +264,7 @@ contains
       end do
       trace(-1:0) = trace(batch_size - 1:)
     end do
-  end subroutine find_middles
+  end subroutine find_extremes
 
   !> Excess, sign*trace - 1 - determinant: above 0 where a multiplier of the tongue's sign lies beyond 1.
   subroutine exceed(hill, damping, sign, duration, excess)
@@ -317,7 +311,7 @@ contains
   end subroutine find_maximum
 
   !> Finds the damping ratio at which the largest excess vanishes (regula falsi, Illinois).
-  subroutine close_tongue(hill, search, tongue)
+  subroutine find_closing_point(hill, search, tongue)
     type(hill_t), intent(inout) :: hill
     type(search_t), intent(in) :: search
     type(tongue_t), intent(inout) :: tongue
@@ -342,7 +336,7 @@ contains
     end do
     tongue%closing_damping = next
     tongue%closing_rpm = rpm_of(hill, place)
-  end subroutine close_tongue
+  end subroutine find_closing_point
 
   !> Finds the edges at each damping ratio.
   subroutine trace_edges(hill, search, damping, tongue)

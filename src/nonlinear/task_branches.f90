@@ -6,8 +6,9 @@ module gearsweep_nonlinear_task_branches
   use gearsweep_study, only: add_rest, case_variation_t, factor_in, most_rows, number_names, number_units, of_dte_range, &
     of_dte_rms, of_periods, of_relief, of_speed, reader_t, runnable_t, stage, stages_t, task_info_t, &
     vary_damping, vary_force, vary_relief, vary_rpm
-  use gearsweep_nonlinear_bifurcation, only: branch_point_t, branch_search_options_t, end_name, family_t, find_branches, &
-    follow_options_t, kind_name, whole_branch_t, width
+  use gearsweep_nonlinear_branch, only: branch_point_t, end_names, follow_options_t
+  use gearsweep_nonlinear_branch_search, only: branch_search_options_t, find_branches, whole_branch_t
+  use gearsweep_nonlinear_motion_equations, only: family_t, kind_names, width
   implicit none
   private
   public :: branches_task_t
@@ -126,8 +127,6 @@ contains
     integer, allocatable :: counts(:, :), ends(:, :)
     integer :: i
 
-    if (allocated(error)) return
-    allocate (rows(0))
     call list_rows(found, 0, rows)
     call table%begin('branches of periodic motions over the parameter', size(rows), error)
     if (allocated(error)) return
@@ -154,8 +153,8 @@ contains
     call table%add('stable_points', '', 'of these, where the motion attracts', counts(:, 4))
     call table%add_words('first_end', 'how it ends where its points begin: range: of the parameter; closed: in itself; '// &
                          'doubling: in a motion of half the period, whose period doubles there; lost: Newton''s method does '// &
-                         'not go on; length: so many points', end_name(ends(:, 1)))
-    call table%add_words('last_end', 'how it ends where its points end', end_name(ends(:, 2)))
+                         'not go on; length: so many points', [end_names(ends(:, 1))])
+    call table%add_words('last_end', 'how it ends where its points end', [end_names(ends(:, 2))])
   end subroutine fill_branches
 
   !> Fills a row for each point of each branch.
@@ -168,8 +167,6 @@ contains
     integer, allocatable :: at(:), number(:)
     integer :: i
 
-    if (allocated(error)) return
-    allocate (rows(0))
     call list_rows(found, 1, rows)
     call table%begin('points of the branches, from one end to the other', size(rows), error)
     if (allocated(error)) return
@@ -199,8 +196,6 @@ contains
     integer, allocatable :: after(:), kind(:), period(:), number(:)
     integer :: i
 
-    if (allocated(error)) return
-    allocate (rows(0))
     call list_rows(found, 2, rows)
     call table%begin('where the motion changes its kind along a branch', size(rows), error)
     if (allocated(error)) return
@@ -224,7 +219,7 @@ contains
     call table%add_words('kind', 'fold: a Floquet multiplier is 1, and the branch turns back; doubling: one is -1; '// &
                          'grazing: the overlap of a contact is 0 where it is smallest or largest, or where a pair enters or '// &
                          'leaves; vertical: a line of motions begins at one value of the parameter; unknown: contact or '// &
-                         'stability changes between this point and the one before, and it is not known how', kind_name(kind))
+                         'stability changes between this point and the one before, and it is not known how', [kind_names(kind)])
     call table%add('after_point', '', 'the point of the branch before it', after)
     call add_motions(found, rows, .true., table)
     call table%add('phase', '', 'of grazing, the mesh phase; NaN where it is not known or no grazing', phase)
@@ -276,35 +271,21 @@ contains
   pure subroutine list_rows(found, what, rows)
     type(branch_set_t), intent(in) :: found(:)
     integer, intent(in) :: what
-    type(row_t), allocatable, intent(inout) :: rows(:)
-    integer :: i, k, m, n, number, pass
+    type(row_t), allocatable, intent(out) :: rows(:)
+    integer :: i, k, m, n, number
 
-    do pass = 1, 2
-      n = 0
-      number = 0
-      do i = 1, size(found)
-        do k = 1, size(found(i)%branch)
-          number = number + 1
-          do m = 1, how_many(found(i)%branch(k), what)
-            n = n + 1
-            if (pass == 2) rows(n) = row_t(i, k, m, number)
-          end do
-        end do
+    allocate (rows(0))
+    number = 0
+    do i = 1, size(found)
+      do k = 1, size(found(i)%branch)
+        number = number + 1
+        n = 1
+        if (what == 1) n = size(found(i)%branch(k)%point)
+        if (what == 2) n = size(found(i)%branch(k)%special)
+        rows = [rows, [(row_t(i, k, m, number), m=1, n)]]
       end do
-      if (pass == 2) exit
-      deallocate (rows)
-      allocate (rows(n))
     end do
   end subroutine list_rows
-
-  pure integer function how_many(branch, what)
-    type(whole_branch_t), intent(in) :: branch
-    integer, intent(in) :: what
-
-    how_many = 1
-    if (what == 1) how_many = size(branch%point)
-    if (what == 2) how_many = size(branch%special)
-  end function how_many
 
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
@@ -399,14 +380,21 @@ contains
     integer, allocatable :: which(:)
     integer :: i, total
     logical :: stopped
+    type(branch_search_options_t) :: options
 
     which = [1]
     if (self%uses(stage%amounts)) call self%list_reliefs(stages, which)
     allocate (found(size(which)))
+    options%seeds = self%seeds
+    options%follow = follow_options_t(longest=width/self%points, most_points=max(5000, 50*self%points), &
+                                      stop=stages%accuracy%steady%stop)
+    options%search = attractor_options_t(most_cycles=500, most_periods=self%most_periods)
+    options%search%accuracy%steady%stop = stages%accuracy%steady%stop
     do i = 1, size(which)
-      call make_family(self, stages, stages%amount(which(i)), found(i)%family, error)
+      call make_case_family(case_variation_t(stages%motions_inputs, stages%amount(which(i)), self%rpm), self%parameter, &
+                            self%range, found(i)%family, error)
       if (allocated(error)) return
-      call find_branches(found(i)%family, options_of(self, stages), found(i)%branch, found(i)%unresolved, stopped, error)
+      call find_branches(found(i)%family, options, found(i)%branch, found(i)%unresolved, stopped, error)
       if (allocated(error) .or. stopped) return
       call stages%running%tell(self%seeds, stages%accuracy%steady%stop)
     end do
@@ -419,28 +407,6 @@ contains
     total = sum([(size(found(i)%branch), i=1, size(found))])
     self%log = 'branches: '//str(total)//' branches from motions at '//str(self%seeds*size(which))//' places'
   end subroutine run
-
-  type(branch_search_options_t) function options_of(self, stages) result(options)
-    class(branches_task_t), intent(in) :: self
-    type(stages_t), intent(in) :: stages
-
-    options%seeds = self%seeds
-    options%follow = follow_options_t(longest=width/self%points, most_points=max(5000, 50*self%points), &
-                                      stop=stages%accuracy%steady%stop)
-    options%search = attractor_options_t(most_cycles=500, most_periods=self%most_periods)
-    options%search%accuracy%steady%stop = stages%accuracy%steady%stop
-  end function options_of
-
-  !> Builds the family of the case with this relief (m), over the parameter.
-  subroutine make_family(self, stages, relief, family, error)
-    class(branches_task_t), intent(in) :: self
-    type(stages_t), intent(in) :: stages
-    real(dp), intent(in) :: relief
-    type(case_family_t), intent(out) :: family
-    type(error_t), allocatable, intent(inout) :: error
-
-    call make_case_family(case_variation_t(stages%motions_inputs, relief, self%rpm), self%parameter, self%range, family, error)
-  end subroutine make_family
 
   pure subroutine add_report(self, lines)
     class(branches_task_t), intent(in) :: self

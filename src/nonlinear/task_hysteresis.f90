@@ -3,8 +3,7 @@
 !>
 !> Runs at a finite rate are added on request (see gearsweep_motion_continuation).
 module gearsweep_nonlinear_task_hysteresis
-  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use gearsweep_base, only: axis, claim_memory, code_input, code_memory, dp, error_t, fail, fixed, left, lines_t, &
+  use gearsweep_base, only: axis, code_input, code_memory, dp, error_t, fail, fixed, left, lines_t, &
     no_number, right, str, table_t
   use gearsweep_motion, only: branch_options_t, branch_t, contact_name, contact_of, follow_branch, follow_ramp, has_result, &
     level_t, mesh_period, oscillator_t, periods_of_ramp, point_t, ramp_options_t, ramp_t, status_name, status_stopped
@@ -47,24 +46,6 @@ contains
     type(ramps_t), intent(out) :: ramps
     type(ramp_options_t) :: longer
     real(dp) :: start(2)
-
-    call list_levels(branch, jump, ramps)
-    ramps%teeth = osc%mesh%teeth(1)
-    start = [osc%mean_deflection, 0.0_dp]
-    associate (steady => branch%point(1)%steady)
-      if (has_result(steady%status)) start = steady%state/[1.0_dp, mesh_period(osc%mesh%teeth(1), rpm(1))]
-    end associate
-    call follow_ramp(osc, rpm, start, ramps%level, options, ramps%fine)
-    longer = options
-    longer%angle = 2*options%angle
-    call follow_ramp(osc, rpm, start, ramps%level, longer, ramps%coarse)
-  end subroutine run_ramps
-
-  !> Lists the levels of the dynamic factor that mark the jumps.
-  pure subroutine list_levels(branch, jump, ramps)
-    type(branch_t), intent(in) :: branch
-    real(dp), intent(in) :: jump
-    type(ramps_t), intent(inout) :: ramps
     integer :: i
 
     allocate (ramps%level(0), ramps%change(0))
@@ -78,7 +59,16 @@ contains
         end associate
       end associate
     end do
-  end subroutine list_levels
+    ramps%teeth = osc%mesh%teeth(1)
+    start = [osc%mean_deflection, 0.0_dp]
+    associate (steady => branch%point(1)%steady)
+      if (has_result(steady%status)) start = steady%state/[1.0_dp, mesh_period(osc%mesh%teeth(1), rpm(1))]
+    end associate
+    call follow_ramp(osc, rpm, start, ramps%level, options, ramps%fine)
+    longer = options
+    longer%angle = 2*options%angle
+    call follow_ramp(osc, rpm, start, ramps%level, longer, ramps%coarse)
+  end subroutine run_ramps
 
   !> Fills a row for each relief, direction and speed. `rpm`: ascending, 1/min; `relief`: m.
   pure subroutine fill_ramps(rpm, relief, ramps, table, error)
@@ -89,7 +79,6 @@ contains
     real(dp), allocatable :: values(:, :)
     integer :: n, i, way, row
 
-    if (allocated(error)) return
     n = size(rpm)
     call table%over('runs through the speeds at a finite rate', error, &
                     axis('relief_um', 'um', 'tip relief, as amount_um of the case', relief), &
@@ -124,7 +113,6 @@ contains
     character(4), allocatable :: direction(:)
     integer :: rows, row, i, way, k
 
-    if (allocated(error)) return
     rows = sum([((size(ramps(way, i)%level), way=1, 2), i=1, size(relief))])
     call table%begin('how late the runs at a finite rate jump', rows, error)
     if (allocated(error)) return
@@ -201,13 +189,20 @@ contains
     type(branch_t), allocatable :: branch(:, :)  ! up and down, for each relief; points in the direction of travel
     type(ramps_t), allocatable :: ramps(:, :)    ! up and down, for each relief
     integer, allocatable :: which(:)
+    real(dp), parameter :: most = 1e7_dp         ! mesh periods of a ramp
+    real(dp) :: periods
     integer :: i, way
 
     call self%list_speeds(stages, rpm)
     call self%list_reliefs(stages, which)
     period = mesh_period(stages%motion(1)%mesh%teeth(1), rpm)
     allocate (branch(2, size(which)), ramps(2, size(which)))
-    call check_ramp(self, stages, rpm, error)
+    if (self%rate > 0) then
+      periods = periods_of_ramp(stages%motion(1), rpm, self%rate)
+      if (periods > most) call fail(error, code_input, '&hysteresis ramp_rpm_s = '//str(self%rate)//': from '// &
+        str(rpm(1))//' to '//str(rpm(size(rpm)))//' rpm are '//str(periods, 3)//' mesh periods; at most '//str(most)// &
+        ' can be followed')
+    end if
     if (allocated(error)) return
     associate (n => size(rpm))
       do i = 1, size(which)
@@ -240,22 +235,6 @@ contains
     self%log = 'hysteresis: '//str(size(branch))//' runs through '//str(size(rpm))//' speeds'
   end subroutine run
 
-  !> Refuses a ramp with more mesh periods than can be computed.
-  subroutine check_ramp(self, stages, rpm, error)
-    class(hysteresis_task_t), intent(in) :: self
-    type(stages_t), intent(in) :: stages
-    real(dp), intent(in) :: rpm(:)
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), parameter :: most = 1e7_dp
-    real(dp) :: periods
-
-    if (.not. self%rate > 0) return
-    periods = periods_of_ramp(stages%motion(1), rpm, self%rate)
-    if (periods > most) call fail(error, code_input, '&hysteresis ramp_rpm_s = '//str(self%rate)//': from '// &
-      str(rpm(1))//' to '//str(rpm(size(rpm)))//' rpm are '//str(periods, 3)//' mesh periods; at most '//str(most)// &
-      ' can be followed')
-  end subroutine check_ramp
-
   !> Fills a row for each relief, direction and speed.
   pure subroutine fill_motions(rpm, period, relief, branch, table, error)
     real(dp), intent(in) :: rpm(:), period(:), relief(:)   ! 1/min, s, m
@@ -273,7 +252,6 @@ contains
                     axis('relief_um', 'um', 'tip relief, as amount_um of the case', relief), &
                     axis('direction', '', 'of the slow run through the speeds', ways), &
                     axis('rpm', '1/min', 'speed of the pinion', rpm))
-    if (.not. allocated(error)) call claim_memory(100.0_dp*rows, 'the table hysteresis', error)
     if (allocated(error)) return
     allocate (values(rows, 9), words(rows, 2))
     row = 0
@@ -284,7 +262,10 @@ contains
         do k = 1, n
           row = row + 1
           associate (steady => point(k)%steady)
-            values(row, :7) = numbers_of(point(k), period(k))
+            values(row, :7) = no_number()
+            if (has_result(steady%status)) values(row, :7) = &
+              [point(k)%dynamic_factor, point(k)%estimate, steady%state(1), steady%state(2)/period(k), &
+               steady%dte_rms, steady%dte_range, point(k)%dte_estimate]
             values(row, 8) = steady%multiplier
             values(row, 9) = steady%periods
             words(row, 1) = status_name(steady%status)
@@ -308,21 +289,6 @@ contains
     call table%add('dte_error_estimate_um', 'um', of_dte_estimate, values(:, 7))
   end subroutine fill_motions
 
-  !> Dynamic factor, its error, dynamic transmission error (m) and its rate (m/s) as a new pair enters, its root mean square,
-  !> peak-to-peak value and their error (m); NaN if not converged. `period`: of the mesh, s.
-  pure function numbers_of(point, period) result(numbers)
-    type(point_t), intent(in) :: point
-    real(dp), intent(in) :: period
-    real(dp) :: numbers(7)
-
-    numbers = ieee_value(1.0_dp, ieee_quiet_nan)
-    if (.not. has_result(point%steady%status)) return
-    associate (steady => point%steady)
-      numbers = [point%dynamic_factor, point%estimate, steady%state(1), steady%state(2)/period, &
-                 steady%dte_rms, steady%dte_range, point%dte_estimate]
-    end associate
-  end function numbers_of
-
   !> Fills a row for each change, in the order of travel.
   pure subroutine fill_changes(relief, branch, table, error)
     real(dp), intent(in) :: relief(:)            ! m
@@ -343,7 +309,9 @@ contains
         do k = 1, size(branch(way, i)%change)
           row = row + 1
           associate (change => branch(way, i)%change(k))
-            values(row, :) = [relief(i), real(k, dp), change%rpm, factors_of(change%point), real(change%point%steady%periods, dp)]
+            values(row, :) = [relief(i), real(k, dp), change%rpm, &
+                              merge(change%point%dynamic_factor, no_number(), has_result(change%point%steady%status)), &
+                              real(change%point%steady%periods, dp)]
             words(row, :) = [character(word) :: ways(way), change_name(change%point), &
                              status_name(change%point(1)%steady%status), status_name(change%point(2)%steady%status)]
           end associate
@@ -364,13 +332,6 @@ contains
     call table%add('mesh_periods_before', '', 'mesh periods until the motion repeats, before', nint(values(:, 7)))
     call table%add('mesh_periods_after', '', 'mesh periods until the motion repeats, after', nint(values(:, 8)))
   end subroutine fill_changes
-
-  pure function factors_of(points) result(factors)
-    type(point_t), intent(in) :: points(2)
-    real(dp) :: factors(2)
-
-    factors = merge(points%dynamic_factor, ieee_value(1.0_dp, ieee_quiet_nan), has_result(points%steady%status))
-  end function factors_of
 
   !> Word for the change.
   pure function change_name(points) result(name)

@@ -8,7 +8,7 @@ module gearsweep_nonlinear_task_sensitivity
     of_relief, of_speed, reader_t, relief_start, runnable_t, stage, stages_t, task_info_t, vary_amount, vary_backlash, &
     vary_damping, vary_force, vary_friction, vary_mass, vary_profile, vary_rpm, vary_start, vary_stiffness
   use gearsweep_nonlinear_sensitivity, only: differentiable_t, differentiate_motion, differentiate_static, prepare_motion, &
-    slope_name, slopes_t, variation_t
+    slope_names, slopes_t, variation_t
   implicit none
   private
   public :: sensitivity_task_t
@@ -48,47 +48,43 @@ module gearsweep_nonlinear_task_sensitivity
 
 contains
 
-  !> Lists the numbers with an effect in a case with this amount of relief (m) at a speed (1/min).
+  !> Lists the numbers with an effect in a case with this amount of relief (m) at a speed (1/min). Changes of amounts are relative
+  !> to the deflection of a pair under the full load.
   subroutine list_numbers(inputs, relief, rpm, numbers)
     type(motions_inputs_t), intent(in) :: inputs
     real(dp), intent(in) :: relief, rpm
     type(case_number_t), allocatable, intent(out) :: numbers(:)
     type(case_variation_t) :: case
-    real(dp) :: deflection
+    type(case_number_t) :: of
+    real(dp) :: deflection, start(2)
     integer :: i
 
     case = case_variation_t(inputs, relief, rpm)
     associate (motion => inputs%motion)
       deflection = motion%load/inputs%stiffness%value(motion%relief%contact_ratio/2)
     end associate
+    start = relief_start(inputs%motion%relief)
+    of%case = case
+    of%least = 0
     allocate (numbers(0))
     do i = 1, size(listed)
-      if (matters(case, listed(i))) numbers = [numbers, number_of(case, listed(i), deflection)]
+      if (.not. has_effect(case, listed(i))) cycle
+      associate (which => listed(i))
+        of%which = which
+        of%value = case%number(which)
+        if (any(which == vary_start)) of%value = start(findloc(vary_start, which, 1))
+        of%scale = of%value
+        if (which == vary_damping) of%scale = max(of%value, 0.01_dp)
+        if (any(which == vary_amount)) of%scale = max(of%value, deflection)
+        if (any(which == vary_start)) of%scale = 1
+        if (which == vary_backlash) of%scale = deflection
+      end associate
+      numbers = [numbers, of]
     end do
   end subroutine list_numbers
 
-  !> Builds one number. Changes of amounts are relative to `deflection` (m), that of a pair under the full load.
-  pure type(case_number_t) function number_of(case, which, deflection) result(of)
-    type(case_variation_t), intent(in) :: case
-    integer, intent(in) :: which
-    real(dp), intent(in) :: deflection
-    real(dp) :: start(2)
-
-    of%which = which
-    of%case = case
-    of%least = 0
-    of%value = case%number(which)
-    start = relief_start(case%inputs%motion%relief)
-    if (any(which == vary_start)) of%value = start(findloc(vary_start, which, 1))
-    of%scale = of%value
-    if (which == vary_damping) of%scale = max(of%value, 0.01_dp)
-    if (any(which == vary_amount)) of%scale = max(of%value, deflection)
-    if (any(which == vary_start)) of%scale = 1
-    if (which == vary_backlash) of%scale = deflection
-  end function number_of
-
   !> True if the number has an effect. Without relief, its amount and start have none.
-  pure logical function matters(case, which)
+  pure logical function has_effect(case, which)
     type(case_variation_t), intent(in) :: case
     integer, intent(in) :: which
     logical :: relieved
@@ -97,28 +93,21 @@ contains
       relieved = case%relief > 0 .and. .not. allocated(inputs%profile_error%breaks)
       select case (which)
       case (vary_friction)
-        matters = inputs%motion%friction > 0
+        has_effect = inputs%motion%friction > 0
       case (vary_profile)
-        matters = allocated(inputs%profile_error%breaks)
-        if (matters) matters = any(abs(inputs%profile_error%coef) > 0)
+        has_effect = allocated(inputs%profile_error%breaks)
+        if (has_effect) has_effect = any(abs(inputs%profile_error%coef) > 0)
       case (vary_amount(1), vary_amount(2))
-        matters = relieved
+        has_effect = relieved
       case (vary_start(1), vary_start(2))
-        matters = relieved .and. case%number(vary_amount(findloc(vary_start, which, 1))) > 0
+        has_effect = relieved .and. case%number(vary_amount(findloc(vary_start, which, 1))) > 0
       case (vary_backlash)
-        matters = inputs%motion%has_backlash
+        has_effect = inputs%motion%has_backlash
       case default
-        matters = .true.
+        has_effect = .true.
       end select
     end associate
-  end function matters
-
-  !> True if the static transmission error depends on the number.
-  elemental logical function is_static(which)
-    integer, intent(in) :: which
-
-    is_static = any(which == [vary_force, vary_stiffness, vary_amount, vary_start, vary_profile])
-  end function is_static
+  end function has_effect
 
   !> Builds the oscillator of the case with the number increased by `change`, in SI units.
   subroutine vary(self, change, osc, duration, error)
@@ -161,13 +150,22 @@ contains
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
     type(row_t), allocatable :: rows(:), static(:)
+    type(row_t) :: row
+    type(case_number_t), allocatable :: numbers(:)
     integer, allocatable :: which(:)
     integer :: i, k
 
     call self%list_reliefs(stages, which)
     allocate (rows(0), static(0))
     do i = 1, size(which)
-      call add_static(self, stages, which(i), static)
+      call list_numbers(stages%motions_inputs, stages%amount(which(i)), 0.0_dp, numbers)
+      do k = 1, size(numbers)
+        if (.not. any(numbers(k)%which == [vary_force, vary_stiffness, vary_amount, vary_start, vary_profile])) cycle
+        numbers(k)%case%rpm = 1
+        row = row_t(stages%amount(which(i)), 0.0_dp, numbers(k)%which, numbers(k)%value, no_number())
+        call differentiate_static(numbers(k), self%harmonics, row%slopes)
+        static = [static, row]
+      end do
       do k = 1, size(self%own_rpm)
         if (wants_stop(stages%accuracy%steady%stop)) return
         call add_motion(self, stages, which(i), self%own_rpm(k), rows, error)
@@ -195,12 +193,10 @@ contains
     type(point_t) :: point
     type(row_t) :: row
     type(levels_t) :: levels
-    logical :: lacks
     integer :: i
 
     call solve_point(stages%motion(which), mesh_period(stages%motion(which)%mesh%teeth(1), rpm), stages%accuracy, levels, point)
-    lacks = levels%lacks
-    if (lacks) call fail(error, code_memory, '&sensitivity rpm = '//str(rpm)//': the memory does not hold the motion')
+    if (levels%lacks) call fail(error, code_memory, '&sensitivity rpm = '//str(rpm)//': the memory does not hold the motion')
     if (allocated(error)) return
     if (.not. has_result(point%steady%status)) self%failed = self%failed + 1
     associate (osc => stages%motion(which))
@@ -214,26 +210,6 @@ contains
       rows = [rows, row]
     end do
   end subroutine add_motion
-
-  !> Adds the derivatives of the static transmission error with a relief by each number.
-  subroutine add_static(self, stages, which, rows)
-    class(sensitivity_task_t), intent(in) :: self
-    type(stages_t), intent(in) :: stages
-    integer, intent(in) :: which
-    type(row_t), allocatable, intent(inout) :: rows(:)
-    type(case_number_t), allocatable :: numbers(:)
-    type(row_t) :: row
-    integer :: i
-
-    call list_numbers(stages%motions_inputs, stages%amount(which), 0.0_dp, numbers)
-    do i = 1, size(numbers)
-      if (.not. is_static(numbers(i)%which)) cycle
-      numbers(i)%case%rpm = 1
-      row = row_t(stages%amount(which), 0.0_dp, numbers(i)%which, numbers(i)%value, no_number())
-      call differentiate_static(numbers(i), self%harmonics, row%slopes)
-      rows = [rows, row]
-    end do
-  end subroutine add_static
 
   !> Fills a row for each relief, speed and number.
   subroutine fill_factors(rows, table, error)
@@ -257,7 +233,7 @@ contains
                    rows%slopes%below*unit)
     call table%add('slope_above', '', 'derivative to larger values', rows%slopes%above*unit)
     call table%add('relative_slope', '', 'by how many per cent DF grows where the number grows by one per cent', part)
-    call table%add_words('derivative', of_kind, slope_name(rows%slopes%kind))
+    call table%add_words('derivative', of_kind, [slope_names(rows%slopes%kind)])
   end subroutine fill_factors
 
   !> Fills a row for each relief, speed, number and harmonic; without speed for the static transmission error.
@@ -292,7 +268,7 @@ contains
     call table%add_index(axis('harmonic', '', of_harmonic, harmonic))
     call table%add(name//'_slope_um', 'um', 'derivative of its amplitude'//of_unit//'; NaN where there is none', values(:, 3))
     call table%add('error_estimate', 'um', 'estimated error of the slope; NaN where it is not known', values(:, 4))
-    call table%add_words('derivative', of_kind, slope_name(kind))
+    call table%add_words('derivative', of_kind, [slope_names(kind)])
   end subroutine fill_harmonics
 
   pure subroutine add_report(self, lines)

@@ -2,7 +2,7 @@
 !> (see gearsweep_nonlinear_stability).
 module gearsweep_nonlinear_task_stability
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_base, only: axis, claim_memory, code_input, code_memory, dp, error_t, fail, left, lines_t, right, str, table_t, &
+  use gearsweep_base, only: axis, code_input, code_memory, dp, error_t, fail, left, lines_t, right, str, table_t, &
     wants_stop
   use gearsweep_study, only: reader_t, runnable_t, stage, stages_t, task_info_t
   use gearsweep_nonlinear_stability, only: find_tongues, map_stability, stability_t, tongue_t
@@ -64,73 +64,43 @@ contains
     call self%list_speeds(stages, rpm)
     associate (n => self%damping_count)
       damping = [(self%damping_first + (self%damping_last - self%damping_first)*(i - 1)/(n - 1), i=1, n)]
-      call claim_memory(12.0_dp*size(rpm)*n, '&stability: '//str(size(rpm))//' speeds by '//str(n)//' damping ratios', error)
     end associate
-    if (allocated(error)) return
     allocate (tongue(self%tongues))
     call find_tongues(stages%motion(1), damping, tongue, error, stages%accuracy%steady%stop)
     if (allocated(error)) return
     call map_stability(stages%motion(1), rpm, damping, tolerance, map, stages%accuracy%steady%stop)
     if (map%lacks) call fail(error, code_memory, '&stability: the memory does not hold the map')
     if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) return
-    call fill_map(rpm, damping, map, self%tables(self%place('stability')), error)
-    call fill_tongues(tongue, self%tables(self%place('tongues')), error)
-    call fill_edges(damping, tongue, self%tables(self%place('tongue_edges')), error)
+    associate (table => self%tables(self%place('stability')))
+      call table%over('stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1', error, &
+                      axis('rpm', '1/min', 'speed of the pinion', rpm), axis('damping_ratio', '', 'damping ratio', damping))
+      if (allocated(error)) return
+      call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers: what remains of a disturbance '// &
+                     'after a mesh period; NaN where the speed is too low', [transpose(map%modulus)])
+      call table%add('sense', '', 'sign of that multiplier where it is real, 0 for a complex pair: beyond 1, a motion with '// &
+                     '1 does not return, one with -1 doubles its period', [transpose(map%sense)])
+    end associate
+    associate (table => self%tables(self%place('tongues')))
+      call table%over('tongues of instability, from the highest speed on', error, &
+                      axis('tongue', '', 'which tongue', [(i, i=1, size(tongue))]))
+      if (allocated(error)) return
+      call table%add('closing_damping_ratio', '', 'damping ratio from which it is closed; NaN: above 1', [tongue%closing_damping])
+      call table%add('closing_rpm', '1/min', 'speed of the pinion at its last point', [tongue%closing_rpm])
+    end associate
+    associate (table => self%tables(self%place('tongue_edges')))
+      call table%over('edges of the tongues of instability: between them the motion repels', error, &
+                      axis('tongue', '', 'which tongue', [(i, i=1, size(tongue))]), &
+                      axis('damping_ratio', '', 'damping ratio', damping))
+      if (allocated(error)) return
+      call table%add('lower_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', &
+                     [(tongue(i)%edge(1, :), i=1, size(tongue))])
+      call table%add('upper_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', &
+                     [(tongue(i)%edge(2, :), i=1, size(tongue))])
+    end associate
     self%is_done = .true.
     self%failed = count(ieee_is_nan(map%modulus))
     self%log = 'stability: '//str(size(map%modulus))//' points, '//str(self%tongues)//' tongues'
   end subroutine run
-
-  !> Fills a row for each speed (1/min) and damping ratio.
-  pure subroutine fill_map(rpm, damping, map, table, error)
-    real(dp), intent(in) :: rpm(:), damping(:)
-    type(stability_t), intent(in) :: map
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-
-    call table%over('stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1', error, &
-                    axis('rpm', '1/min', 'speed of the pinion', rpm), axis('damping_ratio', '', 'damping ratio', damping))
-    if (allocated(error)) return
-    call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers: what remains of a disturbance '// &
-                   'after a mesh period; NaN where the speed is too low', [transpose(map%modulus)])
-    call table%add('sense', '', 'sign of that multiplier where it is real, 0 for a complex pair: beyond 1, a motion with '// &
-                   '1 does not return, one with -1 doubles its period', [transpose(map%sense)])
-  end subroutine fill_map
-
-  pure subroutine fill_tongues(tongue, table, error)
-    type(tongue_t), intent(in) :: tongue(:)
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    call table%over('tongues of instability, from the highest speed on', error, &
-                    axis('tongue', '', 'which tongue', [(i, i=1, size(tongue))]))
-    if (allocated(error)) return
-    call table%add('closing_damping_ratio', '', 'damping ratio from which it is closed; NaN: above 1', [tongue%closing_damping])
-    call table%add('closing_rpm', '1/min', 'speed of the pinion at its last point', [tongue%closing_rpm])
-  end subroutine fill_tongues
-
-  pure subroutine fill_edges(damping, tongue, table, error)
-    real(dp), intent(in) :: damping(:)
-    type(tongue_t), intent(in) :: tongue(:)
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: edge(:, :)
-    integer :: i, m, k
-
-    m = size(damping)
-    k = size(tongue)
-    call table%over('edges of the tongues of instability: between them the motion repels', error, &
-                    axis('tongue', '', 'which tongue', [(i, i=1, k)]), axis('damping_ratio', '', 'damping ratio', damping))
-    if (allocated(error)) return
-    allocate (edge(m*k, 2))
-    do i = 1, k
-      edge((i - 1)*m + 1:i*m, 1) = tongue(i)%edge(1, :)
-      edge((i - 1)*m + 1:i*m, 2) = tongue(i)%edge(2, :)
-    end do
-    call table%add('lower_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', edge(:, 1))
-    call table%add('upper_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', edge(:, 2))
-  end subroutine fill_edges
 
   pure subroutine add_report(self, lines)
     class(stability_task_t), intent(in) :: self

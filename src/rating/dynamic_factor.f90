@@ -77,7 +77,14 @@ contains
     b(2) = of%single_stiffness*of%profile_deviation/of%line_load
     ! Relief that fits the load removes the excitation; the gear whose relief fits less counts.
     b(3) = maxval(abs(1 - of%single_stiffness*of%relief/of%line_load))
-    c = coefficients(of%contact_ratio)
+    ! C_v1 to C_v7 of Table 8.
+    associate (e => of%contact_ratio)
+      c = [0.32_dp, 0.34_dp, 0.23_dp, 0.90_dp, 0.47_dp, 0.47_dp, 0.75_dp]
+      if (e > 2) c([2, 3, 4, 6]) = [0.57_dp/(e - 0.3_dp), 0.096_dp/(e - 1.56_dp), (0.57_dp - 0.05_dp*e)/(e - 1.44_dp), &
+                                    0.12_dp/(e - 1.74_dp)]
+      if (e > 1.5_dp) c(7) = 0.125_dp*sin(pi*(e - 2)) + 0.875_dp
+      if (e > 2.5_dp) c(7) = 1
+    end associate
     ratio = resonance_ratio(of, rpm)
     begins = 0.85_dp
     if (of%line_load < threshold) begins = 0.5_dp + 0.35_dp*sqrt(of%line_load/threshold)
@@ -101,21 +108,6 @@ contains
       beyond = dot_product(c(5:6), b(:2)) + c(7)
     end function beyond
   end function dynamic_factor_b
-
-  !> Factors C_v1 to C_v7 for a total contact ratio.
-  !> Source: ISO 6336-1:2006, Table 8.
-  pure function coefficients(contact_ratio) result(c)
-    real(dp), intent(in) :: contact_ratio
-    real(dp) :: c(7)
-
-    associate (e => contact_ratio)
-      c = [0.32_dp, 0.34_dp, 0.23_dp, 0.90_dp, 0.47_dp, 0.47_dp, 0.75_dp]
-      if (e > 2) c([2, 3, 4, 6]) = [0.57_dp/(e - 0.3_dp), 0.096_dp/(e - 1.56_dp), (0.57_dp - 0.05_dp*e)/(e - 1.44_dp), &
-                                    0.12_dp/(e - 1.74_dp)]
-      if (e > 1.5_dp) c(7) = 0.125_dp*sin(pi*(e - 2)) + 0.875_dp
-      if (e > 2.5_dp) c(7) = 1
-    end associate
-  end function coefficients
 
   !> Largest deviations that an accuracy grade allows, before running in: transverse base pitch deviation f_pb and
   !> profile form deviation f_f_alpha (m).

@@ -79,7 +79,13 @@ contains
     where (contact%rolling > 0) contact%specific_sliding = [1, -1]*contact%sliding/contact%rolling
     contact%friction_power = friction*load*abs(contact%sliding)
     if (.not. (s >= 0 .and. s <= pair%contact_ratio)) then
-      call leave_open(contact)
+      ! These results do not exist at a corner.
+      contact%pressure = no_number()
+      contact%half_width = no_number()
+      contact%shear_stress = no_number()
+      contact%shear_depth = no_number()
+      contact%flash = no_number()
+      contact%film = no_number()
       return
     end if
     line_load = load/minval(pair%gear%spec%face_width)
@@ -95,18 +101,6 @@ contains
     contact%film = film_thickness(surfaces, line_load, sum(contact%rolling)/2, product(radius)/sum(radius))
   end function flank_contact
 
-  !> Sets the results that do not exist at a corner to NaN.
-  elemental subroutine leave_open(contact)
-    type(contact_t), intent(inout) :: contact
-
-    contact%pressure = no_number()
-    contact%half_width = no_number()
-    contact%shear_stress = no_number()
-    contact%shear_depth = no_number()
-    contact%flash = no_number()
-    contact%film = no_number()
-  end subroutine leave_open
-
   !> Minimum film thickness (m) between two cylinders with the reduced radius of curvature `radius` (m) under `line_load` (N/m),
   !> whose surfaces enter at the mean speed `entrainment` (m/s): H = 2.65 U**0.7 G**0.54 W**-0.13 (Dowson 1968).
   elemental real(dp) function film_thickness(surfaces, line_load, entrainment, radius) result(film)
@@ -114,19 +108,15 @@ contains
     real(dp), intent(in) :: line_load, entrainment, radius
     real(dp) :: modulus, speed_number, material_number, load_number
 
-    modulus = harmonic_mean(plane(surfaces%material(1)), plane(surfaces%material(2)))
+    ! Of the moduli for plane strain, E/(1 - nu**2).
+    associate (m => surfaces%material)
+      modulus = harmonic_mean(m(1)%young/(1 - m(1)%poisson**2), m(2)%young/(1 - m(2)%poisson**2))
+    end associate
     speed_number = surfaces%viscosity*entrainment/(modulus*radius)
     material_number = surfaces%pressure_viscosity*modulus
     load_number = line_load/(modulus*radius)
     film = 2.65_dp*radius*speed_number**0.7_dp*material_number**0.54_dp/load_number**0.13_dp
   end function film_thickness
-
-  !> Plane strain modulus E/(1 - nu**2), Pa.
-  elemental real(dp) function plane(material)
-    type(material_t), intent(in) :: material
-
-    plane = material%young/(1 - material%poisson**2)
-  end function plane
 
   !> Distance (m) along the common normal of the flanks from the contact at `s` to the foot of the perpendicular from a gear's
   !> centre: times the gear's angular speed it is the rolling speed of its flank. On the path of contact it is the radius of
@@ -173,18 +163,9 @@ contains
     if (pair%contact_ratio > 2) return
     ! Products of the radii of curvature: at the pitch point, and where the previous or next pair begins to share.
     tangent = product(pair%gear%base_radius(drive))*tan(pair%working_angle(drive))**2
-    single = [product(curvatures(pair, pair%contact_ratio - 1)), product(curvatures(pair, 1.0_dp))]
+    single = [product(pair%curvature([1, 2], pair%contact_ratio - 1)), product(pair%curvature([1, 2], 1.0_dp))]
     factors%single_pair = max(1.0_dp, sqrt(tangent/single))
   end function flank_factors
-
-  !> Radii of curvature (m) of both flanks at a path coordinate.
-  pure function curvatures(pair, s) result(radii)
-    type(pair_t), intent(in) :: pair
-    real(dp), intent(in) :: s
-    real(dp) :: radii(2)
-
-    radii = [pair%curvature(1, s), pair%curvature(2, s)]
-  end function curvatures
 
   !> Nominal contact stress sigma_H0 at the pitch point (Pa), from the tangential load F_t on the reference circle.
   !> Source: ISO 6336-2:2006, clause 5.

@@ -47,28 +47,21 @@ contains
     !> Form factor of the section through a point of the drive fillet.
     pure real(dp) function section_factor(beta)
       real(dp), intent(in) :: beta
-      real(dp) :: p(2)
+      real(dp) :: p(2), other(2), coast_x
+      type(bracket_t) :: parameter
 
       p = fillet_point(gear, drive, beta)
-      section_factor = (p(1) + coast_half_width(gear, p(2)))**2/(6*(apex - p(2))*gear%spec%module)
+      ! Distance of the coast fillet from the tooth axis at the same height, by bisection.
+      parameter = bracket_t(gear%fillet_start(coast), pi/2)
+      do while (parameter%is_open())
+        other = fillet_point(gear, coast, parameter%middle())
+        call parameter%halve(other(2) > p(2))
+      end do
+      other = fillet_point(gear, coast, parameter%middle())
+      coast_x = other(1)
+      section_factor = (p(1) + coast_x)**2/(6*(apex - p(2))*gear%spec%module)
     end function section_factor
   end function lewis_factor
-
-  !> Distance (m) from the tooth axis to the coast fillet at the height `y`, by bisection.
-  pure real(dp) function coast_half_width(gear, y) result(x)
-    type(gear_t), intent(in) :: gear
-    real(dp), intent(in) :: y
-    type(bracket_t) :: parameter
-    real(dp) :: p(2)
-
-    parameter = bracket_t(gear%fillet_start(coast), pi/2)
-    do while (parameter%is_open())
-      p = fillet_point(gear, coast, parameter%middle())
-      call parameter%halve(p(2) > y)
-    end do
-    p = fillet_point(gear, coast, parameter%middle())
-    x = p(1)
-  end function coast_half_width
 
   !> Angle (rad) between the load at `radius` (m) and the normal of the tooth axis.
   pure real(dp) function load_angle(gear, radius)

@@ -61,9 +61,11 @@ contains
     real(dp), intent(in) :: load, period
     type(passage_options_t), intent(in) :: options
     type(passage_t), intent(out) :: passage
-    integer, parameter :: finer = 8
+    integer, parameter :: finer = 8, steps = 64
     type(root_options_t) :: fine
     real(dp), allocatable :: s(:)
+    real(dp) :: time
+    integer :: last, places, i
 
     if (options%root%spacing == spaced_on_flank) then
       s = load_places(pair, options)
@@ -75,23 +77,27 @@ contains
       fine%positions = finer*(fine%positions - 1) + 1
       fine%spacing = spaced_on_path
       s = load_positions(pair, fine, mesh%reach)
-      if (fine%sharing == shared_by_mesh) s = beyond(mesh%reach, pair%contact_ratio, s)
+      if (fine%sharing == shared_by_mesh) then
+        ! Path coordinates beyond A and E at which tip corners touch.
+        associate (reach => mesh%reach, e => pair%contact_ratio)
+          if (reach(1) < 0) s = [(reach(1)*(1 - i/real(steps, dp)), i=0, steps - 1), s]
+          if (reach(2) > e) s = [s, (e + (reach(2) - e)*i/real(steps, dp), i=1, steps)]
+        end associate
+      end if
       call pass_path(pair, s, load*load_shares(mesh, load, fine, s), options, period, passage)
     end if
-    call leave(options%after*period, passage)
+    ! Time without load after the last contact.
+    time = options%after*period
+    if (.not. time > 0) return
+    associate (history => passage%history)
+      last = size(history%time)
+      passage%s = [passage%s, passage%s(last), passage%s(last)]
+      history%time = [history%time, history%time(last), history%time(last) + time]
+      history%load = [history%load, 0.0_dp, 0.0_dp]
+      places = size(history%weight, 1)
+      history%weight = reshape([history%weight, history%weight(:, last), history%weight(:, last)], [places, last + 2])
+    end associate
   end subroutine pass_static
-
-  !> Path coordinates with those beyond A and E at which tip corners touch.
-  pure function beyond(reach, last, s) result(all)
-    real(dp), intent(in) :: reach(2), last, s(:)
-    real(dp), allocatable :: all(:)
-    integer, parameter :: steps = 64
-    integer :: i
-
-    all = s
-    if (reach(1) < 0) all = [(reach(1)*(1 - i/real(steps, dp)), i=0, steps - 1), all]
-    if (reach(2) > last) all = [all, (last + (reach(2) - last)*i/real(steps, dp), i=1, steps)]
-  end function beyond
 
   !> Passage of a known load (N) at path coordinates `s`, ascending, with uniform speed; the times before the first and after the
   !> last contact are omitted. Beyond A and E the load acts at that end of the path.
@@ -101,7 +107,9 @@ contains
     type(passage_options_t), intent(in) :: options
     type(passage_t), intent(out) :: passage
     integer, allocatable :: order(:)
-    integer :: first, last, i
+    real(dp), allocatable :: place(:), one(:)
+    type(piecewise_t) :: curve
+    integer :: first, last, i, k
 
     first = max(1, findloc(load > 0, .true., 1) - 1)
     last = min(size(s), findloc(load > 0, .true., 1, back=.true.) + 1)
@@ -112,27 +120,18 @@ contains
       passage%s = s(order)
       history%time = period*abs(passage%s - passage%s(1))
       history%load = load(order)
-      history%weight = spline_weights(load_places(pair, options), max(0.0_dp, min(pair%contact_ratio, passage%s)))
+      ! Spline weights of the values at each position for points between them.
+      place = load_places(pair, options)
+      allocate (history%weight(size(place), size(order)))
+      do i = 1, size(place)
+        one = merge(1.0_dp, 0.0_dp, [(k == i, k=1, size(place))])
+        curve = spline(place, one)
+        do k = 1, size(order)
+          history%weight(i, k) = curve%value(max(0.0_dp, min(pair%contact_ratio, passage%s(k))))
+        end do
+      end do
     end associate
   end subroutine pass_path
-
-  !> Spline weights of the values at each position for points between them (position, point).
-  pure function spline_weights(place, s) result(weight)
-    real(dp), intent(in) :: place(:), s(:)
-    real(dp) :: weight(size(place), size(s))
-    real(dp) :: one(size(place))
-    type(piecewise_t) :: curve
-    integer :: i, k
-
-    do i = 1, size(place)
-      one = 0
-      one(i) = 1
-      curve = spline(place, one)
-      do k = 1, size(s)
-        weight(i, k) = curve%value(s(k))
-      end do
-    end do
-  end function spline_weights
 
   !> Passage from one position to the next in equal times, `duration` (s) from first to last. `s`, `load` (N): outermost first.
   subroutine pass_places(s, load, options, duration, passage)
@@ -175,21 +174,4 @@ contains
       passage%history%weight(to, point) = passage%history%weight(to, point) + share
     end subroutine add
   end subroutine pass_places
-
-  !> Adds `time` (s) without load.
-  pure subroutine leave(time, passage)
-    real(dp), intent(in) :: time
-    type(passage_t), intent(inout) :: passage
-    integer :: n, places
-
-    if (.not. time > 0) return
-    associate (history => passage%history)
-      n = size(history%time)
-      passage%s = [passage%s, passage%s(n), passage%s(n)]
-      history%time = [history%time, history%time(n), history%time(n) + time]
-      history%load = [history%load, 0.0_dp, 0.0_dp]
-      places = size(history%weight, 1)
-      history%weight = reshape([history%weight, history%weight(:, n), history%weight(:, n)], [places, n + 2])
-    end associate
-  end subroutine leave
 end module gearsweep_rating_passage

@@ -71,23 +71,18 @@ contains
       do while (m > 3)
         ! The middle range closes if it does not exceed the ranges on both sides.
         if (abs(turn(m - 1) - turn(m - 2)) > min(abs(turn(m) - turn(m - 1)), abs(turn(m - 2) - turn(m - 3)))) exit
-        call add_cycle(turn(m - 2), turn(m - 1), found, n)
+        n = n + 1
+        found(n) = cycle_t(abs(turn(m - 2) - turn(m - 1))/2, (turn(m - 2) + turn(m - 1))/2)
         turn(m - 2) = turn(m)
         m = m - 2
       end do
     end do
-    if (m == 3) call add_cycle(turn(1), turn(2), found, n)
+    if (m == 3) then
+      n = n + 1
+      found(n) = cycle_t(abs(turn(1) - turn(2))/2, (turn(1) + turn(2))/2)
+    end if
     cycles = pack(found(:n), found(:n)%amplitude > rounding*maxval(found(:n)%amplitude))
   end function count_cycles
-
-  pure subroutine add_cycle(a, b, cycles, n)
-    real(dp), intent(in) :: a, b                 ! its reversals, Pa
-    type(cycle_t), intent(inout) :: cycles(:)
-    integer, intent(inout) :: n
-
-    n = n + 1
-    cycles(n) = cycle_t(abs(a - b)/2, (a + b)/2)
-  end subroutine add_cycle
 
   !> Amplitude (Pa) of the same damage without mean stress or, by ISO 6336-3, with a stress from zero. The other rules neglect
   !> compressive mean stress. Negative: the mean stress alone, or by ISO 6336-3 the equivalent amplitude, exceeds the limit.

@@ -1,13 +1,14 @@
 !> Root stress over the path of contact under the actual load of each pair.
 module gearsweep_rating_root_rating
-  use gearsweep_base, only: claim_memory, dp, error_t, pi, sorted, str
+  use gearsweep_base, only: claim_memory, code_input, dp, error_t, fail, pi, sorted, str
   use gearsweep_gear, only: coast, drive, pair_t
-  use gearsweep_elastic, only: root_stress_t
+  use gearsweep_elastic, only: grid_t, loaded_stress, root_stress_t, section_body_t
   use gearsweep_mesh, only: load_share, mesh_t
   use gearsweep_rating_form, only: iso_form, iso_form_t, lewis_factor, nominal_root_stress
   implicit none
   private
-  public :: root_options_t, root_rating_t, rate_root, load_positions, load_radius, load_shares, outer_point
+  public :: root_options_t, root_rating_t, rate_root, load_positions, load_radius, load_shares, outer_point, stress_field_t, &
+            find_stress_field
 
   integer, parameter, public :: shared_by_mesh = 0, shared_equally = 1, shares_stated = 2
   integer, parameter, public :: spaced_on_path = 0, spaced_on_flank = 1
@@ -38,6 +39,14 @@ module gearsweep_rating_root_rating
     real(dp) :: lewis_stress = 0                 !< bending stress by Lewis, Pa
   end type root_rating_t
 
+  !> Stress field of a section under one position of the load, for pictures.
+  type :: stress_field_t
+    integer :: relief = 0                        !< index of the relief
+    integer :: position = 0                      !< index of the load position
+    type(grid_t) :: grid
+    real(dp), allocatable :: stress(:, :)        !< sigma_x, sigma_y, tau_xy at the nodes (3, nodes), Pa
+  end type stress_field_t
+
 contains
 
   !> Rates the root of one gear under `load` (N) on the line of action, for each of the meshes, which differ in their relief, from
@@ -51,8 +60,9 @@ contains
     type(root_options_t), intent(in) :: options
     type(root_rating_t), allocatable, intent(out) :: rating(:)
     type(error_t), allocatable, intent(out) :: error
-    real(dp), allocatable :: s(:), radius(:)
-    integer :: i
+    real(dp), allocatable :: s(:), radius(:), along(:), components(:, :)
+    integer :: i, side
+    real(dp) :: nominal
 
     allocate (rating(size(mesh)))
     s = load_positions(pair, options, mesh(1)%reach)
@@ -67,47 +77,25 @@ contains
       rating(i)%radius = radius
       rating(i)%share = load_shares(mesh(i), load, options, s)
       rating(i)%stress = unit%under_loads(rating(i)%share*load/minval(pair%gear%spec%face_width))
-      call read_off(options%tangent, rating(i), error)
-      if (allocated(error)) return
-      call compare(pair, load, options%gear, rating(i))
+      associate (n => size(rating(i)%s))
+        allocate (rating(i)%along(2, n), rating(i)%components(3, 2, n))
+      end associate
+      do side = drive, coast
+        call rating(i)%stress%at_tangent(side, options%tangent, along, components, error)
+        if (allocated(error)) return
+        rating(i)%along(side, :) = along
+        rating(i)%components(:, side, :) = components
+      end do
+      ! Form factors for the full load at the outermost point of single contact.
+      associate (gear => pair%gear(options%gear), width => minval(pair%gear%spec%face_width))
+        rating(i)%iso = iso_form(gear, outer_point(pair, options%gear))
+        rating(i)%lewis = lewis_factor(gear, outer_point(pair, options%gear))
+        nominal = load/(width*gear%spec%module)
+        rating(i)%iso_stress = nominal_root_stress(pair, options%gear, rating(i)%iso, load)
+        rating(i)%lewis_stress = nominal*cos(rating(i)%iso%load_angle)/rating(i)%lewis
+      end associate
     end do
   end subroutine rate_root
-
-  !> Reads the stress at the fillet tangent on both sides.
-  subroutine read_off(tangent, rating, error)
-    real(dp), intent(in) :: tangent
-    type(root_rating_t), intent(inout) :: rating
-    type(error_t), allocatable, intent(out) :: error
-    real(dp), allocatable :: along(:), components(:, :)
-    integer :: side
-
-    associate (n => size(rating%s))
-      allocate (rating%along(2, n), rating%components(3, 2, n))
-    end associate
-    do side = drive, coast
-      call rating%stress%at_tangent(side, tangent, along, components, error)
-      if (allocated(error)) return
-      rating%along(side, :) = along
-      rating%components(:, side, :) = components
-    end do
-  end subroutine read_off
-
-  !> Computes form factors for the full load at the outermost point of single contact.
-  pure subroutine compare(pair, load, which, rating)
-    type(pair_t), intent(in) :: pair
-    real(dp), intent(in) :: load
-    integer, intent(in) :: which
-    type(root_rating_t), intent(inout) :: rating
-    real(dp) :: nominal
-
-    associate (gear => pair%gear(which), width => minval(pair%gear%spec%face_width))
-      rating%iso = iso_form(gear, outer_point(pair, which))
-      rating%lewis = lewis_factor(gear, outer_point(pair, which))
-      nominal = load/(width*gear%spec%module)
-      rating%iso_stress = nominal_root_stress(pair, which, rating%iso, load)
-      rating%lewis_stress = nominal*cos(rating%iso%load_angle)/rating%lewis
-    end associate
-  end subroutine compare
 
   !> Outermost radius (m) at which the gear carries load with the fewest pairs.
   pure real(dp) function outer_point(pair, gear)
@@ -186,4 +174,28 @@ contains
       share = [(load_share(mesh, load, s(i)), i=1, size(s))]
     end select
   end function load_shares
+
+  !> Finds the stress field of the relief with the largest tension, under the load position of that tension or under another one.
+  subroutine find_stress_field(section, rating, load, position, field, error)
+    type(section_body_t), intent(in) :: section  !< section of `rating`, the finer of the two
+    type(root_rating_t), intent(in) :: rating(:)  !< one for each relief
+    real(dp), intent(in) :: load                 !< static load over the face width, N/m
+    integer, intent(in) :: position              !< index of the load position, from 1; 0: that of the largest tension
+    type(stress_field_t), intent(out) :: field
+    type(error_t), allocatable, intent(inout) :: error   !< position out of range, or out of memory
+
+    field%relief = maxloc(rating%stress%tension%stress, 1)
+    associate (worst => rating(field%relief))
+      field%position = position
+      if (position == 0) field%position = worst%stress%tension%load
+      if (field%position > size(worst%s)) then
+        call fail(error, code_input, 'position of the load of the stress field = '//str(position)//': must be at most '// &
+                  str(size(worst%s))// &
+                  ', as the load has so many positions')
+        return
+      end if
+      call loaded_stress(section, worst%radius(field%position), load*worst%share(field%position), field%stress, error)
+      field%grid = section%section%grid
+    end associate
+  end subroutine find_stress_field
 end module gearsweep_rating_root_rating

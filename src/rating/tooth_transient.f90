@@ -7,7 +7,7 @@ module gearsweep_rating_tooth_transient
   use gearsweep_rating_passage, only: passage_t
   implicit none
   private
-  public :: damping_t, look_t, tooth_transient_t, damp_modes, follow_tooth
+  public :: damping_t, sampling_t, tooth_transient_t, damp_modes, follow_tooth
 
   !> Damping of the modes: a ratio for each, or by Rayleigh C = alpha M + beta K.
   type :: damping_t
@@ -18,11 +18,11 @@ module gearsweep_rating_tooth_transient
   end type damping_t
 
   !> Times of the samples.
-  type :: look_t
+  type :: sampling_t
     integer :: samples = 400                     !< number of equal steps of the total time, if no step is stated
     real(dp) :: step = 0                         !< time step, s; 0: from the number of samples
     logical :: corrected = .true.                !< true: with the static correction
-  end type look_t
+  end type sampling_t
 
   type :: tooth_transient_t
     type(motion_record_t) :: record              !< recorded rows: those of the chosen points, per_point for each
@@ -65,13 +65,14 @@ contains
     type(tooth_modes_t), intent(in) :: tooth(2)
     real(dp), intent(in) :: error_share
     type(passage_t), intent(in) :: passage
-    type(look_t), intent(in) :: look
+    type(sampling_t), intent(in) :: look
     type(tooth_transient_t), intent(out) :: product
     type(error_t), allocatable, intent(inout) :: error
     type(motion_record_t) :: coarse
     type(root_stress_t) :: seen, coarsely_seen
     real(dp), allocatable :: sample(:)
-    integer :: finer, k
+    integer :: finer, k, row(2)
+    real(dp) :: largest, off
 
     associate (history => passage%history)
       call choose_times(tooth(1)%model%frequency, history%time, look, sample, finer, error)
@@ -90,14 +91,23 @@ contains
     call fill_fillets(tooth(2), extremes(coarse), coarsely_seen)
     product%peaks%error_estimate = max(peak_difference(seen, coarsely_seen, seen%tension), &
                                        peak_difference(seen, coarsely_seen, seen%compression))*error_share
-    call compare_points(tooth, error_share, product, coarse)
+    ! Relative difference of the two grids at the chosen points, for second order.
+    allocate (product%point_error(size(tooth(1)%direction, 2)))
+    do k = 1, size(product%point_error)
+      row = [tooth(1)%row_of(k), tooth(2)%row_of(k)] + 1
+      associate (fine => product%record)
+        largest = max(abs(fine%highest(row(1))), abs(fine%lowest(row(1))))
+        off = max(abs(fine%highest(row(1)) - coarse%highest(row(2))), abs(fine%lowest(row(1)) - coarse%lowest(row(2))))
+        product%point_error(k) = off/largest*error_share
+      end associate
+    end do
   end subroutine follow_tooth
 
   !> Chooses the samples, and the number of steps between two samples for the peak search. With a stated step only the samples are
   !> used.
   pure subroutine choose_times(frequency, time, look, sample, finer, error)
     real(dp), intent(in) :: frequency(:), time(:)
-    type(look_t), intent(in) :: look
+    type(sampling_t), intent(in) :: look
     real(dp), allocatable, intent(out) :: sample(:)
     integer, intent(out) :: finer
     type(error_t), allocatable, intent(inout) :: error
@@ -198,26 +208,6 @@ contains
     end do
     call find_peaks(fillets)
   end subroutine fill_fillets
-
-  !> Relative difference of the two grids at the chosen points, for second order.
-  pure subroutine compare_points(tooth, error_share, product, coarse)
-    type(tooth_modes_t), intent(in) :: tooth(2)
-    real(dp), intent(in) :: error_share
-    type(tooth_transient_t), intent(inout) :: product
-    type(motion_record_t), intent(in) :: coarse
-    integer :: i, row(2)
-    real(dp) :: largest, off
-
-    allocate (product%point_error(size(tooth(1)%direction, 2)))
-    do i = 1, size(product%point_error)
-      row = [tooth(1)%row_of(i), tooth(2)%row_of(i)] + 1
-      associate (fine => product%record)
-        largest = max(abs(fine%highest(row(1))), abs(fine%lowest(row(1))))
-        off = max(abs(fine%highest(row(1)) - coarse%highest(row(2))), abs(fine%lowest(row(1)) - coarse%lowest(row(2))))
-        product%point_error(i) = off/largest*error_share
-      end associate
-    end do
-  end subroutine compare_points
 
   !> Value at a time, linear between given times in ascending order; of two at the same time, the later one.
   pure real(dp) function at_time(time, values, now) result(value)

@@ -5,7 +5,7 @@ module gearsweep_study_tasks_transient
     str, table_t, wants_stop
   use gearsweep_elastic, only: along, moved_x, moved_y, per_point, stress_error_share, stress_peak_t, tooth_modes_t
   use gearsweep_motion, only: has_result, mesh_period, response_t, status_ok
-  use gearsweep_rating, only: follow_tooth, load_places, look_t, pass_path, pass_static, passage_options_t, passage_t, &
+  use gearsweep_rating, only: follow_tooth, load_places, sampling_t, pass_path, pass_static, passage_options_t, passage_t, &
     place_radius, shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path, tooth_transient_t
   use gearsweep_study_case_task, only: case_facts_t, check_reliefs, needs_moving, stage, task_info_t
   use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
@@ -39,7 +39,7 @@ module gearsweep_study_tasks_transient
   type, extends(runnable_t) :: transient_task_t
     type(tooth_choice_t) :: choice               !< modes, damping and points
     type(passage_options_t) :: passage
-    type(look_t) :: look
+    type(sampling_t) :: look
     integer :: travel = driving
   contains
     procedure, nopass :: describe

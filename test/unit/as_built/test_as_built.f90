@@ -7,7 +7,7 @@ module test_as_built
   use gearsweep_mesh_deviations, only: deviations_t, make_deviations, wave_t
   use gearsweep_base_error, only: error_t
   use gearsweep_motion_error_estimate, only: accuracy_t, levels_t
-  use gearsweep_mesh_flank_deviations, only: draw_deviations, flank_deviations_t, frame_t, is_within, lay_deviations
+  use gearsweep_mesh_flank_deviations, only: draw_deviations, flank_deviations_t, frame_t, is_within, place_deviations
   use gearsweep_rating_form, only: iso_form, nominal_root_stress
   use gearsweep_gear_gear, only: gear_t, make_gear
   use gearsweep_mesh_harmonics, only: find_harmonics, harmonics_t, static_range
@@ -833,7 +833,7 @@ contains
     flanks%wave_phase = [0.5_dp]
     call draw_deviations(tolerances, teeth, random, flanks)
     ! What a case tells beside the class adds to it.
-    laid = lay_deviations([flanks, flank_deviations_t()], frame_t(), [teeth, 30], 1.5_dp, 0)
+    laid = place_deviations([flanks, flank_deviations_t()], frame_t(), [teeth, 30], 1.5_dp, 0)
     call check_true(t, 'waves beside a class', any(laid%waves%order == 40 .and. abs(laid%waves%amplitude - 2*um) < 1e-12_dp*um &
                                                    .and. abs(laid%waves%phase - 0.5_dp) < 1e-12_dp), str(size(laid%waves)))
     call check_close(t, 'scatter of positions', spread_of(flanks%cumulative_pitch), 9*um/(3*sqrt(2.0_dp)), 5/sqrt(2.0_dp*teeth))

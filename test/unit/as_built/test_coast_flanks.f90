@@ -4,7 +4,7 @@ module test_coast_flanks
   use gearsweep_mesh_deviations, only: deviations_t, make_deviations, wave_t
   use gearsweep_base_error, only: error_t
   use gearsweep_motion_error_estimate, only: accuracy_t, levels_t
-  use gearsweep_mesh_flank_deviations, only: flank_deviations_t, frame_t, lay_deviations, make_frame
+  use gearsweep_mesh_flank_deviations, only: flank_deviations_t, frame_t, place_deviations, make_frame
   use gearsweep_gear_gear, only: coast, drive, gear_spec_t, gear_t, make_gear
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
@@ -78,7 +78,7 @@ contains
           flanks(i)%runout_phase = merge(1.5_dp*pi - direction + angle, direction - angle + pi/2, i == 1)
           deallocate (late)
         end do
-        mesh%deviations = lay_deviations(flanks, frame, mesh%teeth, mesh%contact_ratio, offset)
+        mesh%deviations = place_deviations(flanks, frame, mesh%teeth, mesh%contact_ratio, offset)
         allocate (peaks(mesh%deviations%periods))
       end associate
       read (unit, *) factor, coast_factor, least, state
@@ -167,7 +167,7 @@ contains
         flanks = flank_deviations_t()
         flanks(i)%runout = 2*small
         flanks(i)%runout_phase = phase
-        deviations = lay_deviations(flanks, make_frame(osc%mesh, pair), teeth, 1.5_dp, 0)
+        deviations = place_deviations(flanks, make_frame(osc%mesh, pair), teeth, 1.5_dp, 0)
         do k = 0, teeth(i) - 1
           w(:, 1) = deviations%wave_at(k, 0.25_dp)
           w(:, 2) = deviations%coast_wave_at(k, 0.25_dp)

@@ -8,7 +8,7 @@ module test_body_modes
   use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_elastic_material, only: material_t
-  use gearsweep_body_modes_sector, only: blank_t, make_gear_sector, make_ring_sector, sector_t
+  use gearsweep_body_modes_sector, only: gear_blank_t, make_gear_sector, make_ring_sector, sector_t
   use gearsweep_body_modes_sector_modes, only: antisymmetric, axial, find_sector_modes, radial, rigid_motions, sector_mode_t, &
             support_t, symmetric, tangential
   use gearsweep_base_text, only: str
@@ -288,7 +288,7 @@ contains
     integer :: symmetry, n, k, i
 
     call small_gear(t, gear)
-    call make_gear_sector(gear, blank_t(), 2, sector, error)
+    call make_gear_sector(gear, gear_blank_t(), 2, sector, error)
     call check_no_error(t, 'sector', error)
     call find_sector_modes(sector, steel, fast, 5, [0, 3], c_null_ptr, modes, error)
     call check_no_error(t, 'modes of the sector', error)
@@ -333,7 +333,7 @@ contains
 
     call thamba_gear(t, 0.01_dp, gear)
     call modes_of(t, gear, body_options_t(modes=1, most_diameters=0, across=2), full)
-    call modes_of(t, gear, body_options_t(blank_t(web, rim, hub), modes=1, most_diameters=0, across=2), cut)
+    call modes_of(t, gear, body_options_t(gear_blank_t(web, rim, hub), modes=1, most_diameters=0, across=2), cut)
     to = gear%root_radius - rim
     from = hub
     call check_close(t, 'mass of the web', full%mass - cut%mass, 7850*(0.09_dp - web)*pi*(to**2 - from**2), 1e-5_dp)
@@ -400,7 +400,7 @@ contains
     do way = 1, 3
       options = body_options_t(modes=1, most_diameters=2, across=4)
       if (way == 2) options%support = free
-      if (way == 3) options%blank = blank_t(0.03_dp, 0.02_dp, 0.05_dp)
+      if (way == 3) options%blank = gear_blank_t(0.03_dp, 0.02_dp, 0.05_dp)
       call modes_of(t, gear, options, coarse)
       options%across = 6
       call modes_of(t, gear, options, fine)
@@ -455,7 +455,8 @@ contains
     spec%bore_radius = 0.012_dp
     call make_gear(spec, gear, error)
     call check_no_error(t, 'webbed gear', error)
-    call find_body_modes(gear, material_t(), body_options_t(blank_t(0.007_dp, 0.006_dp, 0.019_dp), modes=1, most_diameters=1), &
+    call find_body_modes(gear, material_t(), &
+                         body_options_t(gear_blank_t(0.007_dp, 0.006_dp, 0.019_dp), modes=1, most_diameters=1), &
                          c_null_ptr, found, error)
     call check_no_error(t, 'its modes', error)
     do i = 1, size(names)
@@ -488,7 +489,7 @@ contains
     call make_gear(spec, gear, error)
     call check_no_error(t, 'long web', error)
     do way = 1, 2
-      call find_body_modes(gear, material_t(), body_options_t(blank_t(0.004_dp, 0.005_dp, hub_radius(way)), modes=1, &
+      call find_body_modes(gear, material_t(), body_options_t(gear_blank_t(0.004_dp, 0.005_dp, hub_radius(way)), modes=1, &
                                                               most_diameters=1), c_null_ptr, found, error)
       call check_no_error(t, 'its modes', error)
       associate (frequency => found%modes(:2)%frequency, estimate => found%error_estimate(:2))
@@ -505,10 +506,10 @@ contains
     type(gear_t) :: gear
 
     call thamba_gear(t, 0.01_dp, gear)
-    call refuse(body_options_t(blank_t(0.09_dp, 0.02_dp)), 'gear web thickness (mm) = 90: must be below the face width 90 mm')
-    call refuse(body_options_t(blank_t(0.02_dp, 0.14_dp)), 'gear rim thickness (mm) = 140: must be above 0 and below 133.75')
-    call refuse(body_options_t(blank_t(0.02_dp, 0.02_dp, 0.005_dp)), 'hub diameter (mm) = 10: must be above the bore 20 mm')
-    call refuse(body_options_t(blank_t(hub_radius=0.05_dp)), 'hub diameter (mm) = 100: there is no web around a hub')
+    call refuse(body_options_t(gear_blank_t(0.09_dp, 0.02_dp)), 'gear web thickness (mm) = 90: must be below the face width 90 mm')
+    call refuse(body_options_t(gear_blank_t(0.02_dp, 0.14_dp)), 'gear rim thickness (mm) = 140: must be above 0 and below 133.75')
+    call refuse(body_options_t(gear_blank_t(0.02_dp, 0.02_dp, 0.005_dp)), 'hub diameter (mm) = 10: must be above the bore 20 mm')
+    call refuse(body_options_t(gear_blank_t(hub_radius=0.05_dp)), 'hub diameter (mm) = 100: there is no web around a hub')
     call refuse(body_options_t(most_diameters=31), 'nodal diameters = 31: at most half the number of teeth, 30')
     call refuse(body_options_t(modes=1000, most_diameters=0, across=2), 'number of body modes = 1000: the grid is too coarse')
     gear%spec%bore_radius = 0

@@ -95,7 +95,7 @@ contains
     model = some_modes()
     model%damping = [0.2_dp, 0.25_dp, 0.4_dp]
     ! In the response, what the modes leave out follows the load at once; over time it has inertia, here of next to no effect.
-    model%rest_frequency = [1e5_dp, 1e5_dp]
+    model%residual_frequency = [1e5_dp, 1e5_dp]
     do k = 1, 3
       associate (a => frequency(k))
         expected = response_to(model, [1, 2], 1, a)

@@ -5,12 +5,11 @@ module test_tip_corner
             touching_curvature
   use gearsweep_base_error, only: error_t
   use gearsweep_gear_gear, only: drive, gear_spec_t, gear_t, make_gear
-  use gearsweep_base_interpolation, only: interpolated, joined
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_mesh_mesh, only: mesh_t
   use gearsweep_gear_profile, only: involute_point
   use gearsweep_gear_pair, only: make_pair, pair_t
-  use gearsweep_base_piecewise, only: piecewise_t, polynomial
+  use gearsweep_base_piecewise, only: interpolated, joined, piecewise_t, polynomial
   use gearsweep_gear_relief, only: parabolic, profile_error, relief_t
   use gearsweep_base_text, only: str
   use test_support_testing, only: tally_t, check_close, check_no_error, check_true

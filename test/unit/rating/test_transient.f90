@@ -15,7 +15,7 @@ module test_transient
   use gearsweep_elastic_modal_response, only: advance_mode, load_history_t, modal_model_t, motion_record_t, superpose
   use gearsweep_base_text, only: str
   use gearsweep_elastic_tooth_modes, only: along, find_tooth_modes, moved_y, per_point, tooth_modes_t
-  use gearsweep_rating_tooth_transient, only: damp_modes, damping_t, follow_tooth, look_t, tooth_transient_t
+  use gearsweep_rating_tooth_transient, only: damp_modes, damping_t, follow_tooth, sampling_t, tooth_transient_t
   use test_support_gears, only: hassan_gear, hassan_options, hassan_pair
   use test_support_testing, only: check_close, check_error, check_no_error, check_true, tally_t
   implicit none
@@ -124,7 +124,7 @@ contains
       allocate (model%force(1, n + 1), source=reshape([(sin(pi*i/n), i=0, n)], [1, n + 1]))
       allocate (model%static, source=2*model%force/w**2)
       ! Of which nothing is left.
-      model%rest_frequency = spread(w, 1, n + 1)
+      model%residual_frequency = spread(w, 1, n + 1)
       history%time = [(i/(speed*n), i=0, n)]
       history%load = spread(3.0_dp, 1, n + 1)
       history%weight = reshape([((merge(1.0_dp, 0.0_dp, i == n), n=1, 40*k + 1), i=1, 40*k + 1)], [40*k + 1, 40*k + 1])
@@ -263,7 +263,7 @@ contains
       call prepare(t, 3, counts(k), places, tooth, grids, options)
       mesh%contact_ratio = 1.7_dp
       call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 5e-4_dp, passage)
-      call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=samples), found, error)
+      call follow_tooth(tooth, stress_error_share(grids), passage, sampling_t(samples=samples), found, error)
       call check_no_error(t, 'passage', error)
       if (k == 1) then
         call integrate(grids(1)%body, grids(1), options, passage%history, 500, samples, rough)
@@ -306,7 +306,7 @@ contains
     options%jump = 0.5_dp
     mesh%contact_ratio = 1.7_dp
     call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 5e-4_dp, passage)
-    call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=samples), found, error)
+    call follow_tooth(tooth, stress_error_share(grids), passage, sampling_t(samples=samples), found, error)
     call check_no_error(t, 'passage', error)
     call integrate(grids(1)%body, grids(1), options, passage%history, samples, samples, rough)
     call integrate(grids(1)%body, grids(1), options, passage%history, 3*samples, samples, fine)
@@ -346,7 +346,7 @@ contains
     load = passage%history%load
     do i = 1, 3
       passage%history%load = times(i)*load
-      call follow_tooth(tooth, stress_error_share(grids), passage, look_t(step=5e-6_dp), found(i), error)
+      call follow_tooth(tooth, stress_error_share(grids), passage, sampling_t(step=5e-6_dp), found(i), error)
       call check_no_error(t, 'a passage', error)
     end do
     associate (one => found(1), ten => found(2), back => found(3), n => size(found(1)%record%highest))
@@ -510,10 +510,10 @@ contains
     call prepare(t, 6, 3, places, tooth, grids, options)
     mesh%contact_ratio = 1.7_dp
     call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 1.0_dp, passage)
-    call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=80), slow, error)
+    call follow_tooth(tooth, stress_error_share(grids), passage, sampling_t(samples=80), slow, error)
     call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 2.0_dp, passage)
-    call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=80), slower, error)
-    call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=80, corrected=.false.), alone, error)
+    call follow_tooth(tooth, stress_error_share(grids), passage, sampling_t(samples=80), slower, error)
+    call follow_tooth(tooth, stress_error_share(grids), passage, sampling_t(samples=80, corrected=.false.), alone, error)
     call check_no_error(t, 'slow passages', error)
     off = [away(slow), away(slower)]
     call check_true(t, 'slow: nearly at rest', off(1) < 1e-4_dp, str(off(1)))
@@ -558,7 +558,7 @@ contains
       call prepare(t, across(k), 20, 9, tooth, grids, options)
       mesh%contact_ratio = 1.7_dp
       call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 1.4e-3_dp, passage)
-      call follow_tooth(tooth, stress_error_share(grids), passage, look_t(), found(k), error)
+      call follow_tooth(tooth, stress_error_share(grids), passage, sampling_t(), found(k), error)
       call check_no_error(t, 'passage', error)
     end do
     off = abs(found(1)%peaks%tension%stress/found(2)%peaks%tension%stress - 1)
