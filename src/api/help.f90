@@ -45,8 +45,9 @@ contains
     type(lines_t) :: lines
     type(error_t), allocatable :: unknown
     character(name_length), allocatable :: names(:), groups(:)
-    character(:), allocatable :: name
-    integer :: i, at
+    character(:), allocatable :: name, allowed
+    integer :: i, k, at
+    character(26) :: key_name
 
     call list_keys([character(task_length) ::], keys)
     call list_tasks(slots)
@@ -60,7 +61,17 @@ contains
         if (slots(i)%info%name == name) call tell_task(slots(i)%info, lines)
       end do
       do i = 1, size(keys%groups)
-        if (keys%groups(i)%name == name) call tell_group(keys, i, lines)
+        if (keys%groups(i)%name == name) then
+          call lines%add('group &'//trim(keys%groups(i)%name))
+          call lines%add_wrapped(keys%groups(i)%meaning, '  ')
+          do k = 1, keys%known
+            if (keys%key(k)%group /= keys%groups(i)%name) cycle
+            call keys%key(k)%list_allowed(allowed)
+            key_name = keys%key(k)%name
+            call lines%add('  '//key_name//' '//trim(default_of(keys%key(k)))//trim(' '//keys%key(k)%unit)//' ('//allowed//')')
+          end do
+          call lines%add('')
+        end if
       end do
       do i = 1, keys%known
         if (keys%key(i)%name == name) call tell_key(keys%key(i), lines)
@@ -249,26 +260,6 @@ contains
     call lines%add('  tables    '//trim(task%tables//' '//task%fields))
     call lines%add('')
   end subroutine tell_task
-
-  !> Lists the group and its keys, a line each.
-  subroutine tell_group(keys, at, lines)
-    type(keys_t), intent(in) :: keys
-    integer, intent(in) :: at
-    type(lines_t), intent(inout) :: lines
-    character(:), allocatable :: allowed
-    character(26) :: name
-    integer :: i
-
-    call lines%add('group &'//trim(keys%groups(at)%name))
-    call lines%add_wrapped(keys%groups(at)%meaning, '  ')
-    do i = 1, keys%known
-      if (keys%key(i)%group /= keys%groups(at)%name) cycle
-      call keys%key(i)%list_allowed(allowed)
-      name = keys%key(i)%name
-      call lines%add('  '//name//' '//trim(default_of(keys%key(i)))//trim(' '//keys%key(i)%unit)//' ('//allowed//')')
-    end do
-    call lines%add('')
-  end subroutine tell_group
 
   subroutine tell_key(key, lines)
     type(key_t), intent(in) :: key

@@ -37,7 +37,12 @@ contains
     if (any(case%roll > 0 .neqv. (case%start == 'roll' .and. case%fraction > 0))) call fail(error, code_input, &
       '&relief pinion_roll_deg, gear_roll_deg: go with start = ''roll'', one for each relieved gear')
     if (.not. case%prescribed) call check_units(case, error)
-    call check_speeds(case, error)
+    if (case%needs(stage%speeds)) then
+      if (case%rpm_last < case%rpm_first) call fail(error, code_input, '&sweep rpm_last = '//str(case%rpm_last)// &
+        ': must not lie below rpm_first = '//str(case%rpm_first)//'; to sweep downwards, direction = ''down''')
+      if ((1 + (case%rpm_last - case%rpm_first)/case%rpm_step)*size(case%amount) > most_points) call fail(error, code_input, &
+        '&sweep rpm_step = '//str(case%rpm_step)//': more than '//str(most_points)//' operating points')
+    end if
     do i = 1, size(case%tasks)
       if (case%tasks(i)%is_wanted) call case%tasks(i)%task%check( &
         case_facts_t(case%amount, case%spec, case%accuracy%scheme, torques), error)
@@ -143,17 +148,4 @@ contains
                       ' mm; if '//str(length/mm)//' m is meant, write '//str(length/mm**2)//new_line('a')
     end subroutine judge
   end subroutine add_length_cautions
-
-  subroutine check_speeds(case, error)
-    type(case_t), intent(in) :: case
-    type(error_t), allocatable, intent(inout) :: error
-
-    associate (reliefs => size(case%amount))
-      if (.not. case%needs(stage%speeds)) return
-      if (case%rpm_last < case%rpm_first) call fail(error, code_input, '&sweep rpm_last = '//str(case%rpm_last)// &
-        ': must not lie below rpm_first = '//str(case%rpm_first)//'; to sweep downwards, direction = ''down''')
-      if ((1 + (case%rpm_last - case%rpm_first)/case%rpm_step)*reliefs > most_points) call fail(error, code_input, &
-        '&sweep rpm_step = '//str(case%rpm_step)//': more than '//str(most_points)//' operating points')
-    end associate
-  end subroutine check_speeds
 end module gearsweep_study_case_case_checks

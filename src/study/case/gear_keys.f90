@@ -226,6 +226,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(sentence_length) :: geared, lacks
     logical :: cut, rolls
+    real(dp), parameter :: largest = 2
 
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
@@ -256,7 +257,12 @@ contains
       call read_tip(reader, group, spec, case%tip_alteration, geared, error)
       call reader%get(group, 'dedendum', spec%dedendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp, &
                       meaning='dedendum of the rack in modules, h_fP*')
-      call read_rack_tips(reader, group, spec%rack_tip_radius, geared, error)
+      call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius(drive), error, refused=geared, at_least=0.0_dp, &
+                      at_most=largest, meaning='radius of the rack''s tips in modules, rho_fP*; it must leave a tip land')
+      spec%rack_tip_radius(coast) = spec%rack_tip_radius(drive)
+      call reader%get(group, 'coast_rack_tip_radius', spec%rack_tip_radius(coast), error, refused=geared, at_least=0.0_dp, &
+                      at_most=largest, otherwise='as rack_tip_radius', &
+                      meaning='radius of the rack''s tip that cuts the fillets of the coast flanks, for asymmetric teeth')
       call reader%get(group, 'protuberance_mm', spec%protuberance, error, unit='mm', refused=geared, at_least=0.0_dp, &
                       meaning='by how much the rounded tips of the tool that cuts the fillets stand out of its flanks, pr; at '// &
                       'least grinding_stock_mm')
@@ -275,22 +281,6 @@ contains
                       'the body of the task body_modes, and takes its part off the mass of a solid disc')
     end associate
   end subroutine read_gear
-
-  !> Reads the rounded corners of the rack, which cut the fillets.
-  subroutine read_rack_tips(reader, group, radius, geared, error)
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: group, geared
-    real(dp), intent(inout) :: radius(2)         ! tip radii of the drive and the coast side
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), parameter :: largest = 2
-
-    call reader%get(group, 'rack_tip_radius', radius(drive), error, refused=geared, at_least=0.0_dp, at_most=largest, &
-                    meaning='radius of the rack''s tips in modules, rho_fP*; it must leave a tip land')
-    radius(coast) = radius(drive)
-    call reader%get(group, 'coast_rack_tip_radius', radius(coast), error, refused=geared, at_least=0.0_dp, at_most=largest, &
-                    otherwise='as rack_tip_radius', &
-                    meaning='radius of the rack''s tip that cuts the fillets of the coast flanks, for asymmetric teeth')
-  end subroutine read_rack_tips
 
   !> Reads, after the gears, which of two unlike flanks carries the load. The loaded flanks are the drive flanks: with the load on
   !> the other ones, the two sides are exchanged.

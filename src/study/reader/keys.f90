@@ -465,7 +465,7 @@ contains
     character(*), intent(in) :: name
     type(value_t), intent(in) :: values(:)
     integer, parameter :: wide = 100
-    integer :: i, width
+    integer :: i, k, width
 
     call lines%put('  '//name//' =')
     width = 0
@@ -476,28 +476,16 @@ contains
         width = 0
       end if
       call lines%put(' ')
-      call put_value(lines, values(i))
+      ! Quotes inside a text are doubled.
+      if (values(i)%quoted) call lines%put('''')
+      do k = 1, len(values(i)%text)
+        call lines%put(values(i)%text(k:k))
+        if (values(i)%quoted .and. values(i)%text(k:k) == '''') call lines%put('''')
+      end do
+      if (values(i)%quoted) call lines%put('''')
       if (i < size(values)) call lines%put(',')
       width = width + len(values(i)%text) + 2
     end do
     call lines%add('')
   end subroutine add_values
-
-  !> Adds a value in the form of a case: text in quotes, which are doubled inside.
-  pure subroutine put_value(lines, value)
-    type(lines_t), intent(inout) :: lines
-    type(value_t), intent(in) :: value
-    integer :: i
-
-    if (.not. value%quoted) then
-      call lines%put(value%text)
-      return
-    end if
-    call lines%put('''')
-    do i = 1, len(value%text)
-      call lines%put(value%text(i:i))
-      if (value%text(i:i) == '''') call lines%put('''')
-    end do
-    call lines%put('''')
-  end subroutine put_value
 end module gearsweep_study_reader_keys

@@ -84,12 +84,19 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: bom = char(239)//char(187)//char(191)
     type(scanner_t) :: s
+    character(:), allocatable :: control
     character :: next
-    integer :: last
+    integer :: last, line
 
     call claim_memory(30.0_dp*len(text), 'the text of the case', error)
     if (allocated(error)) return
-    call check_characters(text, error)
+    if (len(text) > longest_text) then
+      call fail_at(1, 'the text is longer than 10 MB', error)
+    else
+      ! Control characters other than tabs and line ends.
+      call find_control(text, line, control)
+      if (line > 0) call fail_at(line, control, error)
+    end if
     if (index(text(:min(3, len(text))), bom) == 1) s%at = len(bom) + 1
     do while (.not. allocated(error))
       call skip_blanks(text, s)
@@ -185,7 +192,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character :: quote
     character(:), allocatable :: string
-    integer :: first, n
+    integer :: first, i, n
 
     if (allocated(error)) return
     quote = text(s%at:s%at)
@@ -200,32 +207,21 @@ contains
       if (.not. next_is(text, s%at + 1, quote)) exit
       s%at = s%at + 1
     end do
-    call undouble(text(first + 1:s%at - 1), quote, string, n)
+    string = text(first + 1:s%at - 1)
+    n = 0
+    i = first
+    do while (i < s%at - 1)
+      i = i + 1
+      if (text(i:i) == quote) i = i + 1
+      n = n + 1
+      string(n:n) = text(i:i)
+    end do
     string = utf8(string(:n))
     s%at = s%at + 1
     if (s%at <= len(text) .and. .not. next_is(text, s%at, blanks//line_ends//',/!&=')) &
       & call fail_at(s%line, 'no blank or comma behind '//shown(text(first:s%at)), error)
     call s%builder%add_value(value_t(string, .true.), count, s%item, s%at - 1, s%line, error)
   end subroutine read_string
-
-  !> Replaces each doubled quote by one.
-  pure subroutine undouble(text, quote, string, n)
-    character(*), intent(in) :: text
-    character, intent(in) :: quote
-    character(:), allocatable, intent(out) :: string
-    integer, intent(out) :: n
-    integer :: i
-
-    string = text
-    n = 0
-    i = 0
-    do while (i < len(text))
-      i = i + 1
-      if (text(i:i) == quote) i = i + 1
-      n = n + 1
-      string(n:n) = text(i:i)
-    end do
-  end subroutine undouble
 
   !> Skips blanks, line ends and comments.
   pure subroutine skip_blanks(text, s)
@@ -243,21 +239,6 @@ contains
       s%at = s%at + 1
     end do
   end subroutine skip_blanks
-
-  !> Refuses control characters other than tabs and line ends.
-  pure subroutine check_characters(text, error)
-    character(*), intent(in) :: text
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: control
-    integer :: line
-
-    if (len(text) > longest_text) then
-      call fail_at(1, 'the text is longer than 10 MB', error)
-      return
-    end if
-    call find_control(text, line, control)
-    if (line > 0) call fail_at(line, control, error)
-  end subroutine check_characters
 
   pure logical function next_is(text, at, characters)
     character(*), intent(in) :: text, characters

@@ -13,13 +13,6 @@ module gearsweep_study_results_motion_table
   private
   public :: motion_table, add_motion
 
-  !> Numbers printed with a stiffness by ISO 6336-1.
-  type :: iso_beside_t
-    real(dp) :: line_load = 0                    !< F_t K_A/b, N/m
-    real(dp) :: blank_factor = 1                 !< C_R
-    real(dp) :: weber_stiffness = 0              !< mean of the mesh by Weber and Banaschek, N/m
-  end type iso_beside_t
-
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp
   character(*), parameter :: of_web = 'rim and web', is_assumed = ' (assumed)'
 
@@ -97,31 +90,34 @@ contains
       str(largest)//' um; if mm is meant, multiply by 1000')
   end subroutine tell_tables
 
-  !> Computes the other inputs of ISO 6336-1, and the stiffness by another model for comparison.
-  pure function find_iso_beside(study) result(beside)
+  !> Adds columns of the other inputs of ISO 6336-1, and of the stiffness by another model for comparison.
+  pure subroutine add_iso_columns(study, table)
     type(study_t), intent(in) :: study
-    type(iso_beside_t) :: beside
+    type(table_t), intent(inout) :: table
     type(piecewise_t) :: curve
     type(material_t) :: steel(2)
     type(error_t), allocatable :: error
+    real(dp) :: weber
 
-    beside%weber_stiffness = no_number()
     associate (spec => study%pair%gear%spec, iso => study%case%iso)
-      beside%line_load = iso%application_factor*study%load/spec(1)%face_width*cos(spec(1)%pressure_angle(drive))
-      beside%blank_factor = minval(gear_blank_factor(iso%web_thickness, iso%rim_thickness, spec%face_width, spec%module))
+      call table%add('iso_line_load_n_mm', 'N/mm', 'F_t K_A/b, below 100 N/mm of which ISO 6336-1 lowers the stiffness', &
+                     [iso%application_factor*study%load/spec(1)%face_width*cos(spec(1)%pressure_angle(drive))])
+      call table%add('iso_blank_factor', '', 'C_R, the smaller one of both gears', &
+                     [minval(gear_blank_factor(iso%web_thickness, iso%rim_thickness, spec%face_width, spec%module))])
       ! The standard does not use Poisson's ratio; that of steel is assumed.
       steel%young = study%case%material%young
       call weber_stiffness(study%pair, steel, study%load/spec(1)%face_width, curve, error)
     end associate
-    if (.not. allocated(error)) beside%weber_stiffness = curve%integral(0.0_dp, study%pair%contact_ratio)
-  end function find_iso_beside
+    weber = no_number()
+    if (.not. allocated(error)) weber = curve%integral(0.0_dp, study%pair%contact_ratio)
+    call table%add('weber_mesh_stiffness_n_um', 'N/um', 'mean mesh stiffness by the model weber, to compare', [weber])
+  end subroutine add_iso_columns
 
   !> Fills the table of the motion's inputs.
   pure subroutine motion_table(study, table, error)
     type(study_t), intent(in) :: study
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    type(iso_beside_t) :: beside
     real(dp) :: frequency, mean, width, felt, iso
 
     if (.not. allocated(study%motion)) return
@@ -143,14 +139,7 @@ contains
       call table%add('mean_mesh_stiffness_n_um', 'N/um', 'mean over a mesh period of all pairs in contact', [mean])
       if (width > 0) call table%add('mean_mesh_stiffness_n_um_mm', 'N/um/mm', 'the same per mm of face width', &
                                     [mean/width])
-      if (case%model == 'iso6336') then
-        beside = find_iso_beside(study)
-        call table%add('iso_line_load_n_mm', 'N/mm', 'F_t K_A/b, below 100 N/mm of which ISO 6336-1 lowers the stiffness', &
-                       [beside%line_load])
-        call table%add('iso_blank_factor', '', 'C_R, the smaller one of both gears', [beside%blank_factor])
-        call table%add('weber_mesh_stiffness_n_um', 'N/um', 'mean mesh stiffness by the model weber, to compare', &
-                       [beside%weber_stiffness])
-      end if
+      if (case%model == 'iso6336') call add_iso_columns(study, table)
       call table%add('natural_frequency_hz', 'Hz', 'of the mean mesh stiffness and the effective masses', [frequency])
       call table%add('resonance_rpm', '1/min', 'speed of the pinion at which the mesh excites it', &
                      [60*frequency/mesh%teeth(1)])
@@ -165,7 +154,8 @@ contains
       if (felt > 0) call add_hubs(study, felt, mean, table)
       if (case%model == 'fe') call add_body(study, table)
       if (case%needs(stage%losses)) call table%add('backlash_um', 'um', 'of the motion; NaN where the coast flanks never touch', &
-                                                   [backlash_of(study)])
+                                                   [merge(study%motions_inputs%motion%backlash, no_number(), &
+                                                          study%motions_inputs%motion%has_backlash)])
       if (case%needs(stage%losses)) call table%add('damping_ratio', '', 'as in the case', [case%damping_ratio])
       if (case%needs(stage%motion)) call table%add('friction', '', 'friction coefficient, as in the case', [case%friction])
     end associate
@@ -188,14 +178,6 @@ contains
     if (allocated(error)) return
     rpm = 30/pi*sqrt(curve%integral(0.0_dp, study%pair%contact_ratio)*sum(1/study%mass))/study%pair%gear(1)%spec%teeth
   end function iso_resonance
-
-  !> Backlash of the motion (m).
-  pure real(dp) function backlash_of(study) result(backlash)
-    type(study_t), intent(in) :: study
-
-    backlash = no_number()
-    if (study%motions_inputs%motion%has_backlash) backlash = study%motions_inputs%motion%backlash
-  end function backlash_of
 
   !> Adds columns on the gear body for the pair stiffness.
   pure subroutine add_body(study, table)

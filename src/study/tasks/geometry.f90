@@ -198,34 +198,17 @@ contains
       if (pair%number('rounding_um') > 0) call lines%add(left('', 19)//'centre distance '//str(pair%number('rounding_um'), 3)// &
         ' um below the one without backlash: taken for rounding of the inputs')
       do i = 1, 2
-        if (abs(gears%number('generating_shift', i) - gears%number('profile_shift', i)) > 0) &
-          call lines%add(left('Tooth thickness', 19)//'of the '//trim(gear_names(i))//': generating profile shift '// &
-          str(gears%number('generating_shift', i))//trim(span_of(gears, i))//trim(pins_of(gears, i)))
+        if (.not. abs(gears%number('generating_shift', i) - gears%number('profile_shift', i)) > 0) cycle
+        call lines%put(left('Tooth thickness', 19)//'of the '//trim(gear_names(i))//': generating profile shift '// &
+                       str(gears%number('generating_shift', i)))
+        if (gears%number('span_teeth', i) > 0) call lines%put(', span over '//str(nint(gears%number('span_teeth', i)))// &
+          ' teeth '//str(gears%number('span_mm', i), 7)//' mm')
+        if (gears%number('over_pins_mm', i) > 0) call lines%put(', over pins of '// &
+          str(gears%number('pin_diameter_mm', i), 4)//' mm '//str(gears%number('over_pins_mm', i), 7)//' mm')
+        call lines%add('')
       end do
     end associate
   end subroutine add_report
-
-  !> Span measurement of a gear in words; empty if no teeth can be spanned.
-  pure function span_of(gears, i) result(words)
-    type(table_t), intent(in) :: gears
-    integer, intent(in) :: i                     !< 1 pinion, 2 gear
-    character(60) :: words
-
-    words = ''
-    if (gears%number('span_teeth', i) > 0) words = ', span over '//str(nint(gears%number('span_teeth', i)))//' teeth '// &
-      str(gears%number('span_mm', i), 7)//' mm'
-  end function span_of
-
-  !> Measurement over pins of a gear in words; empty if no pin fits.
-  pure function pins_of(gears, i) result(words)
-    type(table_t), intent(in) :: gears
-    integer, intent(in) :: i                     !< 1 pinion, 2 gear
-    character(60) :: words
-
-    words = ''
-    if (gears%number('over_pins_mm', i) > 0) words = ', over pins of '//str(gears%number('pin_diameter_mm', i), 4)//' mm '// &
-      str(gears%number('over_pins_mm', i), 7)//' mm'
-  end function pins_of
 
   !> Diameters of a circle of pinion and gear, in words.
   pure function both(gears, circle) result(words)

@@ -79,7 +79,8 @@ contains
                    load%amplitude*flat(abs(seen(:, moved_y, :, :))))
     call table%add('phase_y_deg', 'deg', ahead, flat(phase(seen(:, moved_y, :, :))))
     call table%add('error_estimate', '', 'estimated discretisation error of the stress at this frequency, relative', &
-                   flat(off_by(seen(:, along, :, :), coarse(:, along, :, :), load%error_share)))
+                   flat(abs(seen(:, along, :, :) - coarse(:, along, :, :))/ &
+                        max(abs(seen(:, along, :, :)), tiny(1.0_dp))*load%error_share))
   end subroutine fill_response
 
   !> Computes the response to a load of 1 N.
@@ -106,14 +107,6 @@ contains
     phase = 0
     if (abs(amplitude) > 0) phase = atan2(aimag(amplitude), real(amplitude, dp))
   end function phase
-
-  !> Relative discretisation error, from two grids.
-  elemental real(dp) function off_by(fine, coarse, error_share)
-    complex(dp), intent(in) :: fine, coarse
-    real(dp), intent(in) :: error_share
-
-    off_by = abs(fine - coarse)/max(abs(fine), tiny(1.0_dp))*error_share
-  end function off_by
 
   pure function flat(values)
     real(dp), intent(in) :: values(:, :, :)

@@ -183,14 +183,20 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: damage(2*size(amount)), largest(2*size(amount))
     character(word_length) :: word(2*size(amount))
-    integer :: m, row, worst(2*size(amount))
+    type(root_life_t), allocatable :: root(:)
+    integer :: k, m, n, row, worst(2*size(amount))
 
     m = size(amount)
     call table%over('how long the tooth roots last', error, axis('relief_um', 'um', of_relief, amount), &
                     axis('gear', '', 'pinion or gear', gear_names))
     if (allocated(error)) return
+    n = size(parts, 1)
     do row = 1, 2*m
-      call sum_up(parts(:, (row + 1)/2), 2 - modulo(row, 2), damage(row), largest(row), worst(row), word(row))
+      associate (relief => (row + 1)/2, gear => 2 - modulo(row, 2))
+        root = [(parts(k, relief)%root(gear), k=1, n)]
+        call sum_damage([parts(:, relief)%status], root%damage*[(parts(k, relief)%engagements(gear), k=1, n)], [root%largest], &
+                        [root%is_over], damage(row), largest(row), worst(row), word(row))
+      end associate
     end do
     call table%add_words('kind', 'of the root: finite: damage adds up; endless: no cycle harms; overloaded: some cycle is '// &
                          'above the static strength of the material or has a mean stress above the strength; unknown: some '// &
@@ -202,7 +208,11 @@ contains
     call table%add('worst_part', '', 'part that does most harm to the root; 0 where none does', worst)
     if (.not. rule%has_contact()) return
     do row = 1, 2*m
-      call sum_up_contact(parts(:, (row + 1)/2), 2 - modulo(row, 2), damage(row), largest(row), worst(row), word(row))
+      associate (relief => (row + 1)/2, gear => 2 - modulo(row, 2))
+        call sum_damage([parts(:, relief)%status], [(parts(k, relief)%contact_damage(gear), k=1, n)], &
+                        [(parts(k, relief)%contact(gear), k=1, n)], [(parts(k, relief)%contact_is_over(gear), k=1, n)], &
+                        damage(row), largest(row), worst(row), word(row))
+      end associate
     end do
     call table%add_words('contact_kind', 'of the flank, as kind', word)
     call table%add('contact_damage', '', 'Miner''s sum of the flank in one pass of the spectrum', damage)
@@ -212,57 +222,29 @@ contains
     call table%add('worst_contact_part', '', 'part that does most harm to the flank; 0 where none does', worst)
   end subroutine fill_life
 
-  !> Sums the damage of one gear's flank over all parts of the spectrum with one relief.
-  pure subroutine sum_up_contact(parts, gear, damage, largest, worst, word)
-    type(part_t), intent(in) :: parts(:)
-    integer, intent(in) :: gear
+  !> Sums damage over all parts of the spectrum with one relief.
+  pure subroutine sum_damage(status, harm, stress, is_over, damage, largest, worst, word)
+    integer, intent(in) :: status(:)             !< status of the motion in each part
+    real(dp), intent(in) :: harm(:), stress(:)   !< Miner's sum and largest stress (Pa) in each part
+    logical, intent(in) :: is_over(:)            !< true if a stress is above the static strength
     real(dp), intent(out) :: damage, largest
     integer, intent(out) :: worst
     character(word_length), intent(out) :: word
-    integer :: k
 
     word = 'unknown'
     damage = no_number()
     largest = no_number()
     worst = 0
-    if (.not. all(has_result(parts%status))) return
-    damage = sum([(parts(k)%contact_damage(gear), k=1, size(parts))])
-    largest = maxval([(parts(k)%contact(gear), k=1, size(parts))])
-    word = 'overloaded'
-    if (any([(parts(k)%contact_is_over(gear), k=1, size(parts))])) return
-    word = 'endless'
-    if (.not. damage > 0) return
-    word = 'finite'
-    worst = maxloc([(parts(k)%contact_damage(gear), k=1, size(parts))], 1)
-  end subroutine sum_up_contact
-
-  !> Sums the damage of one gear's root over all parts of the spectrum with one relief.
-  pure subroutine sum_up(parts, gear, damage, largest, worst, word)
-    type(part_t), intent(in) :: parts(:)
-    integer, intent(in) :: gear
-    real(dp), intent(out) :: damage, largest
-    integer, intent(out) :: worst
-    character(word_length), intent(out) :: word
-    type(root_life_t) :: root(size(parts))
-    real(dp) :: harm(size(parts))
-    integer :: k
-
-    word = 'unknown'
-    damage = no_number()
-    largest = no_number()
-    worst = 0
-    if (.not. all(has_result(parts%status))) return
-    root = [(parts(k)%root(gear), k=1, size(parts))]
-    harm = root%damage*[(parts(k)%engagements(gear), k=1, size(parts))]
+    if (.not. all(has_result(status))) return
     damage = sum(harm)
-    largest = maxval(root%largest)
+    largest = maxval(stress)
     word = 'overloaded'
-    if (any(root%is_over)) return
+    if (any(is_over)) return
     word = 'endless'
     if (.not. damage > 0) return
     word = 'finite'
     worst = maxloc(harm, 1)
-  end subroutine sum_up
+  end subroutine sum_damage
 
   !> Life in time or passes: that of one pass, `whole`, over its damage.
   elemental real(dp) function lasting(word, damage, whole)

@@ -5,11 +5,11 @@ module gearsweep_study_tasks_load
     table_t, wants_stop
   use gearsweep_gear, only: drive
   use gearsweep_motion, only: find_corner_estimate, find_torque, has_result, mesh_period, mesh_torque_t, point_t, response_t, &
-    spectrum_t, status_name, status_stopped, trace_motion, trace_t
+    spectrum_t, status_stopped, trace_motion, trace_t
   use gearsweep_study_case_task, only: case_facts_t, gear_names, stage, task_info_t
   use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, unless
   use gearsweep_study_run_points, only: add_several, factor_in, find_motion, known_count, of_coast, of_corner, of_estimate, &
-    of_factor, of_motions, of_periods, of_relief, of_speed, of_status, status_length, words_of
+    of_factor, of_motions, of_periods, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
   private
@@ -99,13 +99,15 @@ contains
     integer, allocatable :: motions(:, :)                  ! number of motions; (relief, speed)
     real(dp), allocatable :: corner(:, :)                  ! uncertainty from the tip corners' stiffness; (relief, speed)
     type(torque_run_t), allocatable :: torque(:)           ! the first relief at all speeds, then the next one
-    integer :: i, k
+    real(dp), parameter :: fewest_rows = 400
     real(dp) :: radius(2)
+    integer :: i, k
 
     associate (motion => stages%motion, rpm => self%own_rpm, accuracy => stages%accuracy)
       call claim_memory((1000.0_dp + 64*self%harmonics)*size(motion)*size(rpm), &
                         '&sweep load_rpm: '//str(size(motion)*size(rpm))//' motions', error)
-      if (self%with_torque) call claim_torques(size(motion)*size(rpm), self%harmonics, error)
+      if (self%with_torque) call claim_memory((row_bytes*fewest_rows + harmonic_bytes*self%harmonics)*size(motion)*size(rpm), &
+                                              '&sweep load_torque: '//str(size(motion)*size(rpm))//' motions', error)
       if (allocated(error)) return
       allocate (motions(size(motion), size(rpm)))
       if (self%with_torque) allocate (torque(size(rpm)*size(motion)))
@@ -153,43 +155,31 @@ contains
     type(response_t), intent(in) :: response(:, :)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: values(:, :)
-    integer, allocatable :: periods(:), pair(:)
-    character(status_length), allocatable :: status(:)
-    integer :: i, k, rows, from, until
+    integer, allocatable :: run(:)               ! index of the motion, reliefs first; (row)
+    integer :: i, j, k, m, n
 
-    rows = sum([((size(response(i, k)%s), i=1, size(response, 1)), k=1, size(response, 2))])
-    call table%begin('dynamic load of one pair along its path of contact', rows, error)
+    m = size(response, 1)
+    n = size(response, 2)
+    call table%begin('dynamic load of one pair along its path of contact', sum([((size(response(i, k)%s), i=1, m), k=1, n)]), &
+                     error)
     if (allocated(error)) return
-    allocate (values(rows, 5), periods(rows), pair(rows), status(rows))
-    from = 1
-    do k = 1, size(response, 2)
-      do i = 1, size(response, 1)
-        associate (one => response(i, k), steady => response(i, k)%point%steady)
-          until = from + size(one%s) - 1
-          values(from:until, 1) = stages%amount(i)
-          values(from:until, 2) = one%rpm
-          values(from:until, 3) = one%s
-          values(from:until, 4) = one%load
-          values(from:until, 5) = one%error
-          status(from:until) = status_name(steady%status)
-          periods(from:until) = steady%periods
-          pair(from:until) = one%pair
-        end associate
-        from = until + 1
-      end do
-    end do
-    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
-    call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
-    call table%add_index(axis('s', '', 'path coordinate of the pair, in base pitches from A', values(:, 3)))
-    call table%add('pair_load_n', 'N', 'elastic load on the pair', values(:, 4))
-    call table%add('load_ratio', '', 'the same over the static load; its largest value is DF, up to the refinement of '// &
-                   'the peak between two rows', values(:, 4)/stages%load)
-    call table%add('dte_um', 'um', 'dynamic transmission error along the line of action, without the turning of whole '// &
-                   'gears about their bores', values(:, 5))
-    call table%add_words('status', of_status, status)
-    call table%add('mesh_periods', '', of_periods, periods)
-    call table%add_index(axis('pair', '', 'index of the pair, from 1; 0 without an answer', pair))
+    run = [(((i + m*(k - 1), j=1, size(response(i, k)%s)), i=1, m), k=1, n)]
+    associate (rpm => [response%rpm], status => [response%point%steady%status], periods => [response%point%steady%periods], &
+               load => [((response(i, k)%load, i=1, m), k=1, n)])
+      call table%add_index(axis('relief_um', 'um', of_relief, stages%amount(1 + modulo(run - 1, m))))
+      call table%add_index(axis('rpm', '1/min', of_speed, rpm(run)))
+      call table%add_index(axis('s', '', 'path coordinate of the pair, in base pitches from A', &
+                                [((response(i, k)%s, i=1, m), k=1, n)]))
+      call table%add('pair_load_n', 'N', 'elastic load on the pair', load)
+      call table%add('load_ratio', '', 'the same over the static load; its largest value is DF, up to the refinement of '// &
+                     'the peak between two rows', load/stages%load)
+      call table%add('dte_um', 'um', 'dynamic transmission error along the line of action, without the turning of whole '// &
+                     'gears about their bores', [((response(i, k)%error, i=1, m), k=1, n)])
+      call table%add_words('status', of_status, words_of(status(run)))
+      call table%add('mesh_periods', '', of_periods, periods(run))
+      call table%add_index(axis('pair', '', 'index of the pair, from 1; 0 without an answer', &
+                                [((response(i, k)%pair, i=1, m), k=1, n)]))
+    end associate
   end subroutine fill_paths
 
   !> Fills dynamic factor and other results of the motion at the chosen speeds.
@@ -200,7 +190,6 @@ contains
     real(dp), intent(in) :: corner(:, :)         ! uncertainty from the tip corners' stiffness; empty without them
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: factor(:), estimate(:)
     integer, allocatable :: status(:)
     logical, allocatable :: found(:)
     integer :: i, k, m, n
@@ -213,16 +202,11 @@ contains
                     axis('rpm', '1/min', of_speed, [response(1, :)%rpm]))
     if (allocated(error)) return
     associate (point => response%point)
-      factor = [((point(i, k)%dynamic_factor, k=1, n), i=1, m)]
-      estimate = [((point(i, k)%estimate, k=1, n), i=1, m)]
       status = [((point(i, k)%steady%status, k=1, n), i=1, m)]
       found = has_result(status)
-      where (.not. found)
-        factor = no_number()
-        estimate = no_number()
-      end where
-      call table%add('dynamic_factor', '', of_factor, factor)
-      call table%add('error_estimate', '', of_estimate, estimate)
+      call table%add('dynamic_factor', '', of_factor, &
+                     merge([((point(i, k)%dynamic_factor, k=1, n), i=1, m)], no_number(), found))
+      call table%add('error_estimate', '', of_estimate, merge([((point(i, k)%estimate, k=1, n), i=1, m)], no_number(), found))
       call table%add_words('status', of_status, words_of(status))
       call table%add('mesh_periods', '', of_periods, [((point(i, k)%steady%periods, k=1, n), i=1, m)])
       call table%add('motions', '', of_motions, [transpose(known_count(motions))])
@@ -271,7 +255,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :)
-    integer :: i, k, n, rows, from
+    integer :: i, j, k, n, rows, from
 
     rows = sum(1 + harmonics*merge(response%point%steady%periods, 0, has_result(response%point%steady%status)))
     call table%begin('dynamic transmission error and elastic load of the mesh, each as the sum of amplitude '// &
@@ -285,9 +269,16 @@ contains
           n = merge(harmonics*steady%periods, 0, has_result(steady%status))
           values(from:from + n, 1) = stages%amount(i)
           values(from:from + n, 2) = one%rpm
-          values(from, 3) = 0
-          if (has_result(steady%status)) call fill_one(one, n, mesh_period(stages%motion(1)%mesh%teeth(1), one%rpm), &
-                                                       values(from:from + n, 3:))
+          values(from:from + n, 3) = [(real(j, dp)/max(1, steady%periods), j=0, n)]
+          if (has_result(steady%status)) then
+            values(from:from + n, 4) = values(from:from + n, 3)/mesh_period(stages%motion(1)%mesh%teeth(1), one%rpm)
+            associate (dte => one%summary%error, load => one%summary%load)
+              values(from:from + n, 5) = [dte%mean, dte%amplitude]
+              values(from:from + n, 6) = [0.0_dp, dte%phase]
+              values(from:from + n, 7) = [load%mean, load%amplitude]
+              values(from:from + n, 8) = [0.0_dp, load%phase]
+            end associate
+          end if
         end associate
         from = from + n + 1
       end do
@@ -305,24 +296,6 @@ contains
                    values(:, 7))
     call table%add('mesh_load_phase_deg', 'deg', 'its phase at tau = 0', values(:, 8))
   end subroutine fill_harmonics
-
-  !> Computes harmonic, frequency (Hz), amplitude (m) and phase (rad) of the transmission error, and of the load (N).
-  pure subroutine fill_one(response, n, period, values)
-    type(response_t), intent(in) :: response
-    integer, intent(in) :: n
-    real(dp), intent(in) :: period               ! mesh period, s
-    real(dp), intent(inout) :: values(0:, :)     ! (harmonic, column)
-    integer :: k
-
-    values(:, 1) = [(real(k, dp)/response%point%steady%periods, k=0, n)]
-    values(:, 2) = values(:, 1)/period
-    associate (error => response%summary%error, load => response%summary%load)
-      values(:, 3) = [error%mean, error%amplitude]
-      values(:, 4) = [0.0_dp, error%phase]
-      values(:, 5) = [load%mean, load%amplitude]
-      values(:, 6) = [0.0_dp, load%phase]
-    end associate
-  end subroutine fill_one
 
   pure subroutine add_report(self, lines)
     class(load_task_t), intent(in) :: self
@@ -358,7 +331,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :)
-    integer :: i, from, n, rows
+    integer :: i, k, from, n, rows
 
     rows = sum([(rows_of(runs(i)), i=1, size(runs))])
     call claim_memory(8.0_dp*time_columns*rows, 'the table torque', error)
@@ -371,7 +344,18 @@ contains
       n = rows_of(runs(i)) - 1
       values(from:from + n, 1) = runs(i)%relief
       values(from:from + n, 2) = runs(i)%rpm
-      if (has_rows(runs(i))) call fill_run(runs(i)%mesh, radius, runs(i)%period, values(from:from + n, 3:))
+      if (has_rows(runs(i))) then
+        associate (mesh => runs(i)%mesh)
+          values(from:from + n, 3) = mesh%tau
+          values(from:from + n, 4) = mesh%tau*runs(i)%period
+          do k = 1, 2
+            values(from:from + n, 4 + k) = radius(k)*(mesh%elastic + mesh%damping + mesh%friction(k, :))
+            values(from:from + n, 6 + k) = radius(k)*mesh%friction(k, :)
+          end do
+          values(from:from + n, 9) = radius(1)*mesh%damping
+          values(from:from + n, 10) = mesh%error
+        end associate
+      end if
       from = from + n + 1
     end do
     call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
@@ -402,24 +386,6 @@ contains
     if (has_rows(run)) rows_of = size(run%mesh%tau)
   end function rows_of
 
-  !> Computes time (mesh periods, s), torques of both gears, parts of friction and damping (N m), and transmission error (m).
-  pure subroutine fill_run(mesh, radius, period, values)
-    type(mesh_torque_t), intent(in) :: mesh
-    real(dp), intent(in) :: radius(2)            ! base radii, m
-    real(dp), intent(in) :: period               ! mesh period, s
-    real(dp), intent(inout) :: values(:, :)
-    integer :: i
-
-    values(:, 1) = mesh%tau
-    values(:, 2) = mesh%tau*period
-    do i = 1, 2
-      values(:, 2 + i) = radius(i)*(mesh%elastic + mesh%damping + mesh%friction(i, :))
-      values(:, 4 + i) = radius(i)*mesh%friction(i, :)
-    end do
-    values(:, 7) = radius(1)*mesh%damping
-    values(:, 8) = mesh%error
-  end subroutine fill_run
-
   !> Fills a row for each relief and speed: mean, least and largest torque, and the power loss of the mesh.
   subroutine fill_torque_points(runs, speeds, radius, table, error)
     type(torque_run_t), intent(in) :: runs(:)
@@ -427,8 +393,9 @@ contains
     real(dp), intent(in) :: radius(2)            !< base radii of pinion and gear, m
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: values(size(runs), 5, 2), loss(size(runs))
-    real(dp), dimension(size(runs)) :: factor, estimate
+    real(dp) :: values(size(runs), 5, 2)         ! mean, least, largest, their error, part of friction, N m; (run, 5, gear)
+    real(dp) :: figures(5)                       ! the same of a force, N
+    real(dp), dimension(size(runs)) :: loss, factor, estimate
     integer :: i, gear
 
     call table%begin('mean, least and largest transmitted torque at the speeds of the task load', size(runs), error, &
@@ -439,7 +406,13 @@ contains
     do i = 1, size(runs)
       if (.not. has_rows(runs(i))) cycle
       do gear = 1, 2
-        values(i, :, gear) = radius(gear)*figures(runs(i), gear)
+        associate (force => runs(i)%mesh%force(gear), half => runs(i)%half(gear))
+          figures(:3) = [force%mean, force%least, force%largest]
+          ! Three times the change: where in its step an extreme lies is chance.
+          figures(4) = 3*maxval(abs(figures(:3) - [half%mean, half%least, half%largest])) + runs(i)%left_open
+          figures(5) = runs(i)%mesh%mean_friction(gear)
+        end associate
+        values(i, :, gear) = radius(gear)*figures
       end do
       loss(i) = 1 - runs(i)%mesh%force(2)%mean/runs(i)%mesh%force(1)%mean
     end do
@@ -448,7 +421,14 @@ contains
     call table%add_index(axis('relief_um', 'um', of_relief, [runs%relief]))
     call table%add_index(axis('rpm', '1/min', of_speed, [runs%rpm]))
     do gear = 1, 2
-      call add_gear(trim(gear_names(gear)), values(:, :, gear), table)
+      associate (name => gear_names(gear))
+        call table%add(trim(name)//'_mean_nm', 'N*m', 'mean torque of the '//trim(name)//'; without friction it is the '// &
+                       'static one', values(:, 1, gear))
+        call table%add(trim(name)//'_least_nm', 'N*m', 'least torque', values(:, 2, gear))
+        call table%add(trim(name)//'_largest_nm', 'N*m', 'largest torque', values(:, 3, gear))
+        call table%add(trim(name)//'_error_nm', 'N*m', 'estimated error of these three'//unknown, values(:, 4, gear))
+        call table%add(trim(name)//'_friction_mean_nm', 'N*m', 'friction''s share of the mean torque', values(:, 5, gear))
+      end associate
     end do
     call table%add('friction_loss', '', 'part of the pinion''s power that friction between the flanks takes', loss)
     call table%add('dynamic_factor', '', of_factor, factor)
@@ -457,32 +437,6 @@ contains
     call table%add('mesh_periods', '', of_periods, [runs%point%steady%periods])
     call table%add('motions', '', of_motions, [known_count(runs%motions)])
   end subroutine fill_torque_points
-
-  pure subroutine add_gear(name, values, table)
-    character(*), intent(in) :: name
-    real(dp), contiguous, intent(in) :: values(:, :)   ! mean, least, largest, their error, part of friction, N m; (row, 5)
-    type(table_t), intent(inout) :: table
-
-    call table%add(name//'_mean_nm', 'N*m', 'mean torque of the '//name//'; without friction it is the static one', values(:, 1))
-    call table%add(name//'_least_nm', 'N*m', 'least torque', values(:, 2))
-    call table%add(name//'_largest_nm', 'N*m', 'largest torque', values(:, 3))
-    call table%add(name//'_error_nm', 'N*m', 'estimated error of these three'//unknown, values(:, 4))
-    call table%add(name//'_friction_mean_nm', 'N*m', 'friction''s share of the mean torque', values(:, 5))
-  end subroutine add_gear
-
-  !> Mean, least and largest force on a gear, their estimated error, and the mean part of friction (N).
-  pure function figures(run, gear)
-    type(torque_run_t), intent(in) :: run
-    integer, intent(in) :: gear
-    real(dp) :: figures(5)
-
-    associate (force => run%mesh%force(gear), half => run%half(gear))
-      figures(:3) = [force%mean, force%least, force%largest]
-      ! Three times the change: where in its step an extreme lies is chance.
-      figures(4) = 3*maxval(abs(figures(:3) - [half%mean, half%least, half%largest])) + run%left_open
-      figures(5) = run%mesh%mean_friction(gear)
-    end associate
-  end function figures
 
   !> Fills harmonics of the torque of both gears.
   subroutine fill_torque_harmonics(runs, radius, table, error)
@@ -563,15 +517,6 @@ contains
 
     polar = amplitude*cmplx(cos(phase), sin(phase), dp)
   end function polar
-
-  !> Claims the memory of `n` motions with so many mesh harmonics.
-  subroutine claim_torques(n, harmonics, error)
-    integer, intent(in) :: n, harmonics
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), parameter :: fewest_rows = 400
-
-    call claim_memory((row_bytes*fewest_rows + harmonic_bytes*harmonics)*n, '&sweep load_torque: '//str(n)//' motions', error)
-  end subroutine claim_torques
 
   !> Computes the forces of a motion, and their figures with half as many steps.
   subroutine follow_torque(stages, relief, rpm, harmonics, run, error)

@@ -275,7 +275,7 @@ contains
       end if
       if (.not. design%is_there()) then
         name = value_name(self%judge)
-        associate (curve => self%tables(self%place('optimum_curve')))
+        associate (curve => self%tables(self%place('optimum_curve')), loads => self%tables(self%place('optimum_loads')))
           call lines%add(left('Best single amount', 19)//str(best%number('relief_um'), 4)//' um (within '// &
                          str(best%number('within_um'), 1)//'),')
           call self%add_judged(lines)
@@ -287,7 +287,9 @@ contains
           if (.not. self%judge%needs_motion()) call lines%put('; without relief '//str(curve%number(trim(name), 1), 4)//' um')
           call lines%add('')
           if (best%position('largest_dynamic_factor') > 0) then
-            if (best%number('largest_dynamic_factor') > (1 + alike)*maxval(worst_factors(self))) call lines%add(left('', 19)// &
+            value = best%number('worst_dynamic_factor')
+            if (loads%is_there()) value = maxval(loads%numbers('worst_dynamic_factor'))
+            if (best%number('largest_dynamic_factor') > (1 + alike)*value) call lines%add(left('', 19)// &
               'of all motions that a start reaches at this speed, the largest has DF '// &
               fixed(best%number('largest_dynamic_factor'), 4)//' (task attractors)')
           end if
@@ -313,17 +315,6 @@ contains
       end do
     end associate
   end subroutine add_report
-
-  !> Largest dynamic factor of the best amount under each load; one load if no torque is known.
-  pure function worst_factors(self) result(factor)
-    class(optimum_task_t), intent(in) :: self
-    real(dp), allocatable :: factor(:)
-
-    associate (loads => self%tables(self%place('optimum_loads')), best => self%tables(self%place('optimum')))
-      if (loads%is_there()) factor = loads%numbers('worst_dynamic_factor')
-      if (.not. loads%is_there()) factor = best%numbers('worst_dynamic_factor')
-    end associate
-  end function worst_factors
 
   !> Adds the line with the criterion of the reliefs and the load or torques.
   pure subroutine add_judged(self, lines)

@@ -250,20 +250,13 @@ contains
                        mass=product(stages%mass)/sum(stages%mass)/width, pitch_deviation=deviation(1), &
                        profile_deviation=deviation(2))
       one%mesh_stiffness = one%single_stiffness*(0.75_dp*pair%contact_ratio + 0.25_dp)
-      one%line_load = tangential(stages)*stages%iso%application_factor/width
+      one%line_load = stages%load*cos(spec(1)%pressure_angle(drive))*stages%iso%application_factor/width
     end associate
     allocate (of(size(stages%amount)), source=one)
     do i = 1, size(of)
       of(i)%relief = counted_relief(stages%amount(i)*stages%motions_inputs%motion%relief%fraction, grade)
     end do
   end subroutine need_method_b
-
-  !> Tangential load F_t on the reference circle (N).
-  pure real(dp) function tangential(stages) result(load)
-    type(stages_t), intent(in) :: stages
-
-    load = stages%load*cos(stages%pair%gear(1)%spec%pressure_angle(drive))
-  end function tangential
 
   !> Largest static load of a pair over the static load of the mesh.
   pure real(dp) function largest_share(motion) result(share)
@@ -383,7 +376,7 @@ contains
     integer, intent(in) :: motions(:, :)         ! number of motions
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: factor(:), estimate(:), share(:)
+    real(dp), allocatable :: factor(:), share(:)
     integer, allocatable :: status(:)
     integer :: i, m, n
 
@@ -393,15 +386,10 @@ contains
                     axis('relief_um', 'um', of_relief, stages%amount), axis('rpm', '1/min', of_speed, rpm))
     if (allocated(error)) return
     share = each([(largest_share(stages%motion(i)), i=1, m)], n)
-    factor = [point%dynamic_factor]
-    estimate = [point%estimate]
     status = [point%steady%status]
-    where (.not. has_result(status))
-      factor = no_number()
-      estimate = no_number()
-    end where
+    factor = merge([point%dynamic_factor], no_number(), has_result(status))
     call table%add('dynamic_factor', '', of_factor, factor)
-    call table%add('error_estimate', '', of_estimate, estimate)
+    call table%add('error_estimate', '', of_estimate, merge([point%estimate], no_number(), has_result(status)))
     call table%add_words('status', of_status, words_of(status))
     call table%add('motions', '', of_motions, [known_count(motions)])
     call table%add('static_share', '', 'largest load of a pair at rest over the static load', share)

@@ -28,6 +28,8 @@ module gearsweep_study_tasks_transient
   !> Columns of a row over time; the error is that of the stress.
   integer, parameter :: highest = 1, when_highest = 2, lowest = 3, when_lowest = 4, largest = 5, largest_at_rest = 6, &
     estimate = 7
+  !> Quantities of `history_of` beside those of a point.
+  integer, parameter :: times = -1, places = -2, loads = -3, at_rest = -4
   character(*), parameter :: sides(2) = [character(5) :: 'drive', 'coast']
   character(*), parameter :: of_tangent = 'angle of the fillet''s tangent at this point to the tooth''s axis', &
     of_side = 'drive (the loaded side: tension) or coast'
@@ -79,19 +81,19 @@ contains
       call table%add_index(axis('tangent_deg', 'deg', of_tangent, tangent((point + 1)/2)))
       call table%add_index(axis('side', '', of_side, sides(2 - modulo(point, 2))))
       call table%add_index(axis('time_ms', 'ms', 'time since the load met the tooth', &
-                                [((times_of(runs(i)), k=1, points), i=1, size(runs))]))
-      call table%add('s', '', 'path coordinate of the load, in base pitches from A', [((places_of(runs(i)), k=1, points), &
+                                [((history_of(runs(i), times), k=1, points), i=1, size(runs))]))
+      call table%add('s', '', 'path coordinate of the load, in base pitches from A', [((history_of(runs(i), places), k=1, points), &
                                                                                       i=1, size(runs))])
-      call table%add('load_n', 'N', 'load on the tooth', [((loads_of(runs(i)), k=1, points), i=1, size(runs))])
-      associate (sigma => [((history_of(runs(i), k, along), k=1, points), i=1, size(runs))])
+      call table%add('load_n', 'N', 'load on the tooth', [((history_of(runs(i), loads), k=1, points), i=1, size(runs))])
+      associate (sigma => [((history_of(runs(i), along, k), k=1, points), i=1, size(runs))])
         call add_stress(sigma, tooth%direction(:, point), poisson, table)
       end associate
       call table%add('static_mpa', 'MPa', 'stress along the surface under the same load at rest', &
-                     [((static_of(runs(i), k), k=1, points), i=1, size(runs))])
+                     [((history_of(runs(i), at_rest, k), k=1, points), i=1, size(runs))])
       call table%add('displacement_x_um', 'um', 'displacement across the tooth, to its drive side', &
-                     [((history_of(runs(i), k, moved_x), k=1, points), i=1, size(runs))])
+                     [((history_of(runs(i), moved_x, k), k=1, points), i=1, size(runs))])
       call table%add('displacement_y_um', 'um', 'displacement along the tooth''s axis', &
-                     [((history_of(runs(i), k, moved_y), k=1, points), i=1, size(runs))])
+                     [((history_of(runs(i), moved_y, k), k=1, points), i=1, size(runs))])
     end associate
   end subroutine fill_histories
 
@@ -228,47 +230,31 @@ contains
     if (allocated(run%tooth%s)) samples_of = size(run%tooth%s)
   end function samples_of
 
-  pure function times_of(run) result(values)
+  !> Time since the load met the tooth (s), path coordinate and load (N) of the samples of a passage, and of a chosen point stress
+  !> along the surface, also at rest, and displacement; NaN if there is no result.
+  pure function history_of(run, what, point) result(values)
     type(tooth_run_t), intent(in) :: run
+    integer, intent(in) :: what                  !< one of the constants of this module, or along, moved_x or moved_y
+    integer, intent(in), optional :: point
     real(dp) :: values(samples_of(run))
 
     values = no_number()
-    if (allocated(run%tooth%s)) values = run%tooth%record%time - run%tooth%record%time(1)
-  end function times_of
-
-  pure function places_of(run) result(values)
-    type(tooth_run_t), intent(in) :: run
-    real(dp) :: values(samples_of(run))
-
-    values = no_number()
-    if (allocated(run%tooth%s)) values = run%tooth%s
-  end function places_of
-
-  pure function loads_of(run) result(values)
-    type(tooth_run_t), intent(in) :: run
-    real(dp) :: values(samples_of(run))
-
-    values = no_number()
-    if (allocated(run%tooth%s)) values = run%tooth%load
-  end function loads_of
-
-  pure function history_of(run, point, what) result(values)
-    type(tooth_run_t), intent(in) :: run
-    integer, intent(in) :: point, what
-    real(dp) :: values(samples_of(run))
-
-    values = no_number()
-    if (allocated(run%tooth%s)) values = run%tooth%record%value(per_point*(point - 1) + what, :)
+    if (.not. allocated(run%tooth%s)) return
+    associate (record => run%tooth%record)
+      select case (what)
+      case (times)
+        values = record%time - record%time(1)
+      case (places)
+        values = run%tooth%s
+      case (loads)
+        values = run%tooth%load
+      case (at_rest)
+        values = record%static(per_point*(point - 1) + along, :)
+      case default
+        values = record%value(per_point*(point - 1) + what, :)
+      end select
+    end associate
   end function history_of
-
-  pure function static_of(run, point) result(values)
-    type(tooth_run_t), intent(in) :: run
-    integer, intent(in) :: point
-    real(dp) :: values(samples_of(run))
-
-    values = no_number()
-    if (allocated(run%tooth%s)) values = run%tooth%record%static(per_point*(point - 1) + along, :)
-  end function static_of
 
   !> Values of one row (`what`) of the chosen points of all runs, as in the constants.
   pure function of_points(runs, tooth, points, what, which) result(values)
