@@ -2,7 +2,7 @@
 module gearsweep_study_reader_values
   use gearsweep_base, only: closest_word, code_input, dp, error_t, fail, find_odd, join, lower, shown, sorted, str, to_number
   use gearsweep_study_reader_keys, only: bounds_t
-  use gearsweep_study_reader_namelist, only: entry_t, value_t
+  use gearsweep_study_reader_namelist, only: entry_t
   use gearsweep_study_reader_unit_slips, only: other_unit
   implicit none
   private

@@ -1,6 +1,6 @@
 !> Variation of a case by its numbers: their names, units and values, and the oscillator that they lead to.
 module gearsweep_study_run_case_variation
-  use gearsweep_base, only: code_input, dp, error_t, fail, piecewise_t, str
+  use gearsweep_base, only: code_input, dp, error_t, fail, str
   use gearsweep_gear, only: add_corners, drive, profile_error, relief_t
   use gearsweep_motion, only: make_oscillator, mesh_period, oscillator_t
   use gearsweep_study_run_inputs, only: motions_inputs_t, relief_inputs_t

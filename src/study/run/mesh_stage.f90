@@ -1,6 +1,6 @@
 !> Stages of gear pair, load, masses, pair stiffness, and of one oscillator for each relief.
 module gearsweep_study_run_mesh_stage
-  use gearsweep_base, only: claim_memory, code_input, dp, error_t, fail, find_rows, pi, piecewise_t, rows_t, str
+  use gearsweep_base, only: claim_memory, code_input, dp, error_t, fail, find_rows, pi, rows_t, str
   use gearsweep_gear, only: add_corner_stiffness, arm_change, check_pin, drive, free_centre_distance, gear_spec_t, gear_t, &
     has_web, make_gear, make_pair, pair_t, solid_inertia, tip_alteration, web_inertia
   use gearsweep_elastic, only: contact_half_width, fe_options_t, fe_stiffness, on_second_grid, teeth_t

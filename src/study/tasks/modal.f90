@@ -1,7 +1,6 @@
 !> The task `modal`: natural frequencies and mode shapes of a section of one gear.
 module gearsweep_study_tasks_modal
-  use gearsweep_base, only: axis, dp, error_t, lines_t, right, str, table_t
-  use gearsweep_elastic, only: modal_t
+  use gearsweep_base, only: axis, dp, error_t, lines_t, right, str
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
   use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, unless
   use gearsweep_study_run_grid_tables, only: add_section, fill_elements, fill_nodes, fill_section, grid_of_section

@@ -33,7 +33,6 @@ module gearsweep_study_tasks_rating
     procedure :: has_material
   end type limits_t
 
-  real(dp), parameter :: mega = 1e-6_dp
   !> Group of the material's keys and the load factors, and the tasks that use them.
   character(*), parameter :: group = 'rating', users = 'rating or life'
 
