@@ -7,7 +7,7 @@ module gearsweep_study
   ! Checks of combinations of the keys of a case.
   use gearsweep_study_case_case_checks, only: add_length_cautions, check_case
   ! Keys of the gears.
-  use gearsweep_study_case_gear_keys, only: read_direction, read_materials, read_gear, read_pair, read_section
+  use gearsweep_study_case_gear_keys, only: read_direction, read_gear, read_materials, read_pair, read_section
   ! Keys of mesh and motion.
   use gearsweep_study_case_mesh_keys, only: read_dynamics, read_load, read_model, read_numerics, read_path, read_relief, &
     read_sweep
@@ -21,10 +21,10 @@ module gearsweep_study
   ! Splits Fortran namelist text into groups, keys and values.
   use gearsweep_study_reader_namelist, only: name_length, namelist_t, parse_namelist
   ! Reads typed values from namelist text, each with its unit, its bounds and one clear error.
-  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, open_list, open_reader, reader_t, &
-    sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, open_list, open_reader, reader_t, &
+    sentence_length, text_unless
   ! Reads the values of a namelist entry as numbers, words and texts, with one clear error.
-  use gearsweep_study_reader_values, only: tell_number
+  use gearsweep_study_reader_values, only: shortest_digits
   ! Report for the screen.
   use gearsweep_study_results_report, only: failed_points, report, write_report
   ! Results of the tasks of a study, by the names of tables and columns.
@@ -39,7 +39,7 @@ module gearsweep_study
   ! Cache keys of the stages of a study.
   use gearsweep_study_run_inputs, only: motions_inputs_t
   ! Texts, limits and helpers of the tables of several tasks.
-  use gearsweep_study_run_points, only: add_rest, add_seen, factor_in, known_count, most_rows, of_coast, of_dte_estimate, &
+  use gearsweep_study_run_points, only: add_more_rows, add_seen, factor_text, known_count, most_rows, of_coast, of_dte_estimate, &
     of_dte_range, of_dte_rms, of_estimate, of_factor, of_motions, of_periods, of_relief, of_speed, of_status, status_length, &
     words_of
   ! Products of the stages that several tasks use, the section of a gear among them, and the type of a task that can be run.

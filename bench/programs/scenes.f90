@@ -135,7 +135,7 @@ contains
     type(error_t), allocatable :: error
 
     wanted = case
-    call wanted%want(tasks)
+    call wanted%request(tasks)
     call run_study(wanted, '', 1, study, error, earlier=known)
     call check(error)
   end subroutine run

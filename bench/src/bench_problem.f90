@@ -34,7 +34,7 @@ contains
     if (present(corners)) problem%case%corner_contact = corners
     if (present(coupling)) problem%case%tooth_coupling = coupling
     problem%rpm = speeds(problem%case)
-    call problem%case%want(['mesh'])
+    call problem%case%request(['mesh'])
     call run_study(problem%case, '', 1, study, error)
     call check(error)
     problem%osc = study%motion

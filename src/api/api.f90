@@ -8,14 +8,14 @@ module gearsweep_api_api
     remove_folder, run_study, study_t, write_report
   use gearsweep_api_case_reader, only: check_keys, complete_case, read_case
   use gearsweep_api_describe, only: describe_case => describe
-  use gearsweep_api_kept, only: fail_name, find_column, find_table, kept_t, list_tables, release, take
+  use gearsweep_api_handles, only: fail_name, find_column, find_study, find_table, handle_t, list_tables, release
   use gearsweep_api_new_case, only: write_new_case
-  use gearsweep_api_rows, only: judge, run_rows
+  use gearsweep_api_rows, only: check_study, run_rows
   use gearsweep_api_tables, only: make_table, table_names, write_results
   implicit none
   private
   public :: begin_call, end_call, describe, edit, run, run_with_rows, text_of, size_of, numbers_of, word_of, write_files
-  public :: give, release
+  public :: return_text, release
   public :: error_t, int64
 
   integer, parameter :: most_threads = 1024
@@ -113,7 +113,7 @@ contains
     integer(int64), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error
     type(case_t) :: case
-    type(kept_t), pointer :: kept
+    type(handle_t), pointer :: handle
     type(study_t), pointer :: before             ! if not associated, it counts as absent
     character(:), allocatable :: names(:)
     integer :: i
@@ -123,19 +123,19 @@ contains
     call check_run(text, threads, earlier, before, error)
     if (.not. allocated(error)) call read_case(text, case, error)
     if (allocated(error)) return
-    allocate (kept)
-    call run_study(case, place(folder), threads, kept%study, error, watch=watch, earlier=before)
+    allocate (handle)
+    call run_study(case, with_slash(folder), threads, handle%study, error, watch=watch, earlier=before)
     names = table_names()
-    allocate (kept%tables(size(names)))
+    allocate (handle%tables(size(names)))
     do i = 1, size(names)
-      call make_table(kept%study, trim(names(i)), kept%tables(i), error)
+      call make_table(handle%study, trim(names(i)), handle%tables(i), error)
     end do
     if (allocated(error)) then
-      deallocate (kept)
+      deallocate (handle)
       return
     end if
-    study = transfer(c_loc(kept), study)
-    call judge(kept%study, error)
+    study = transfer(c_loc(handle), study)
+    call check_study(handle%study, error)
   end subroutine run
 
   !> Runs a case once for each row of `values` of the keys in `names`; see gearsweep_api_rows. The study, which the caller owns,
@@ -148,7 +148,7 @@ contains
     real(dp), intent(in) :: values(*)            !< values row by row
     integer(int64), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error
-    type(kept_t), pointer :: kept
+    type(handle_t), pointer :: handle
     type(study_t), pointer :: before
     character(1), allocatable :: words(:)
 
@@ -156,14 +156,15 @@ contains
     if (rows < 1) call fail(error, code_input, 'rows = '//str(rows)//': must be at least 1')
     if (allocated(error)) return
     call split(names, words)
-    allocate (kept)
+    allocate (handle)
     associate (n => size(words))
-      call run_rows(text, place(folder), threads, before, watch, names, reshape(values(:n*rows), [n, rows]), take, kept, error)
+      call run_rows(text, with_slash(folder), threads, before, watch, names, reshape(values(:n*rows), [n, rows]), take, handle, &
+                    error)
     end associate
-    if (.not. allocated(kept%tables)) then
-      deallocate (kept)
+    if (.not. allocated(handle%tables)) then
+      deallocate (handle)
     else
-      study = transfer(c_loc(kept), study)
+      study = transfer(c_loc(handle), study)
     end if
   end subroutine run_with_rows
 
@@ -174,15 +175,15 @@ contains
     integer(int64), intent(in) :: earlier
     type(study_t), pointer, intent(out) :: before
     type(error_t), allocatable, intent(inout) :: error
-    type(kept_t), pointer :: kept
+    type(handle_t), pointer :: handle
 
     nullify (before)
     call check_length(text, error)
     if (allocated(error)) return
     if (earlier /= 0) then
-      call take(earlier, kept, error)
+      call find_study(earlier, handle, error)
       ! A study of rows may have no row that ran.
-      if (allocated(kept%study%tasks)) before => kept%study
+      if (allocated(handle%study%tasks)) before => handle%study
     end if
     if (threads < 0 .or. threads > most_threads) &
       call fail(error, code_input, 'threads = '//str(threads)//': must lie between 0 (all) and '//str(most_threads))
@@ -194,34 +195,34 @@ contains
     character(*), intent(in) :: what
     character(:), allocatable, intent(out) :: words
     type(error_t), allocatable, intent(inout) :: error
-    type(kept_t), pointer :: kept
+    type(handle_t), pointer :: handle
 
-    call take(study, kept, error)
-    if (what /= 'tables') call check_whole(kept, error)
+    call find_study(study, handle, error)
+    if (what /= 'tables') call refuse_rows(handle, error)
     if (.not. allocated(error)) call claim_memory(text_bytes, 'the text', error)
     if (allocated(error)) return
     select case (what)
     case ('report')
-      call write_report(kept%study, words)
+      call write_report(handle%study, words)
     case ('log')
-      words = kept%study%log
+      words = handle%study%log
     case ('tables')
-      call list_tables(kept%tables, words)
+      call list_tables(handle%tables, words)
     case ('case')
-      words = kept%study%case%text
+      words = handle%study%case%text
     case default
       call fail_name('what', what, [character(6) :: 'report', 'log', 'tables', 'case'], error)
     end select
   end subroutine text_of
 
   !> Refuses a study of rows of values.
-  subroutine check_whole(kept, error)
-    type(kept_t), pointer, intent(in) :: kept
+  subroutine refuse_rows(handle, error)
+    type(handle_t), pointer, intent(in) :: handle
     type(error_t), allocatable, intent(inout) :: error
 
     if (allocated(error)) return
-    if (kept%is_of_rows) call fail(error, code_input, 'study: is of rows of values, of which there are numbers only')
-  end subroutine check_whole
+    if (handle%is_of_rows) call fail(error, code_input, 'study: is of rows of values, of which there are numbers only')
+  end subroutine refuse_rows
 
   !> Returns the number of rows of a table, and the kind of a column and the length of its longest text.
   subroutine size_of(study, table_name, column_name, rows, kind, width, error)
@@ -287,10 +288,10 @@ contains
     type(table_t), pointer, intent(out) :: table
     type(column_t), pointer, intent(out) :: column
     type(error_t), allocatable, intent(inout) :: error
-    type(kept_t), pointer :: kept
+    type(handle_t), pointer :: handle
 
-    call take(study, kept, error)
-    call find_table(kept, table_name, table, error)
+    call find_study(study, handle, error)
+    call find_table(handle, table_name, table, error)
     call find_column(table, column_name, column, error)
   end subroutine find
 
@@ -301,22 +302,22 @@ contains
     character(*), intent(in) :: folder, name
     character(:), allocatable, intent(out) :: written
     type(error_t), allocatable, intent(inout) :: error
-    type(kept_t), pointer :: kept
+    type(handle_t), pointer :: handle
     integer :: made
 
-    call take(study, kept, error)
-    call check_whole(kept, error)
+    call find_study(study, handle, error)
+    call refuse_rows(handle, error)
     if (folder == '') call fail(error, code_input, 'folder: is empty; the current one is .')
     call check_folder(folder, error)
     call check_name(name, error)
     if (allocated(error)) return
     call make_folder(folder, made, error)
-    if (.not. allocated(error)) call write_results(kept%study, folder, name, written, error)
+    if (.not. allocated(error)) call write_results(handle%study, folder, name, written, error)
     if (allocated(error)) call remove_folder(folder, made)
   end subroutine write_files
 
   !> Returns a text in a buffer, or the length that it needs. Does nothing after an error.
-  subroutine give(name, words, buffer, length, error)
+  subroutine return_text(name, words, buffer, length, error)
     character(*), intent(in) :: name
     character(:), allocatable, intent(in) :: words
     character(*), intent(inout) :: buffer
@@ -327,7 +328,7 @@ contains
     length = len(words)
     call need_room('len('//name//')', len(buffer), length, error)
     if (.not. allocated(error)) buffer = words
-  end subroutine give
+  end subroutine return_text
 
   !> Refuses a buffer that is too small.
   subroutine need_room(name, have, need, error)
@@ -347,11 +348,11 @@ contains
   end subroutine check_length
 
   !> Folder in the form of a study: empty for the current one, otherwise with its slash.
-  pure function place(folder)
+  pure function with_slash(folder)
     character(*), intent(in) :: folder
-    character(len_trim(folder) + merge(1, 0, index(folder, '/', back=.true.) /= len_trim(folder))) :: place
+    character(len_trim(folder) + merge(1, 0, index(folder, '/', back=.true.) /= len_trim(folder))) :: with_slash
 
-    place = folder
-    if (len(place) > 0) place(len(place):) = '/'
-  end function place
+    with_slash = folder
+    if (len(with_slash) > 0) with_slash(len(with_slash):) = '/'
+  end function with_slash
 end module gearsweep_api_api

@@ -17,7 +17,7 @@ contains
     type(error_t), allocatable :: error
 
     call begin_call()
-    call give('version', version, buffer, buffer_size, error)
+    call return_text('version', version, buffer, buffer_size, error)
     info = ended(error, message, message_size)
   end function gsc_version
 
@@ -29,9 +29,9 @@ contains
     character(:), allocatable :: subject, words
 
     call begin_call()
-    call take_string('what', what, subject, error)
+    call read_string('what', what, subject, error)
     if (.not. allocated(error)) call describe(subject, words, error)
-    if (.not. allocated(error)) call give('buffer', words, buffer, buffer_size, error, length)
+    if (.not. allocated(error)) call return_text('buffer', words, buffer, buffer_size, error, length)
     info = ended(error, message, message_size)
   end function gsc_describe
 
@@ -44,13 +44,13 @@ contains
     character(:), allocatable :: verb, case, group_name, key_name, new, words
 
     call begin_call()
-    call take_string('action', action, verb, error)
-    call take_text('text', text, text_length, case, error)
-    call take_string('group', group, group_name, error)
-    call take_string('key', key, key_name, error)
-    call take_string('value', value, new, error)
+    call read_string('action', action, verb, error)
+    call read_text('text', text, text_length, case, error)
+    call read_string('group', group, group_name, error)
+    call read_string('key', key, key_name, error)
+    call read_string('value', value, new, error)
     if (.not. allocated(error)) call edit(verb, case, group_name, key_name, new, words, error)
-    if (.not. allocated(error)) call give('buffer', words, buffer, buffer_size, error, length)
+    if (.not. allocated(error)) call return_text('buffer', words, buffer, buffer_size, error, length)
     info = ended(error, message, message_size)
   end function gsc_edit
 
@@ -68,10 +68,10 @@ contains
     integer, pointer, contiguous :: watching(:)
 
     call begin_call()
-    call take_text('text', text, text_length, case, error)
-    call take_string('folder', folder, place, error)
-    call take_string('resume', resume, before, error)
-    call take_string('keep', keep, later, error)
+    call read_text('text', text, text_length, case, error)
+    call read_string('folder', folder, place, error)
+    call read_string('resume', resume, before, error)
+    call read_string('keep', keep, later, error)
     if (.not. present(study)) call fail(error, code_input, 'study: is a null pointer')
     number = 0
     unwatched = 0
@@ -97,10 +97,10 @@ contains
     integer, pointer, contiguous :: watching(:)
 
     call begin_call()
-    call take_text('text', text, text_length, case, error)
-    call take_string('folder', folder, place, error)
-    call take_string('names', names, keys, error)
-    call take_string('take', take, columns, error)
+    call read_text('text', text, text_length, case, error)
+    call read_string('folder', folder, place, error)
+    call read_string('names', names, keys, error)
+    call read_string('take', take, columns, error)
     if (.not. present(study)) call fail(error, code_input, 'study: is a null pointer')
     if (.not. present(values)) call fail(error, code_input, 'values: is a null pointer')
     number = 0
@@ -121,9 +121,9 @@ contains
     character(:), allocatable :: subject, words
 
     call begin_call()
-    call take_string('what', what, subject, error)
+    call read_string('what', what, subject, error)
     if (.not. allocated(error)) call text_of(transfer(study, 0_int64), subject, words, error)
-    if (.not. allocated(error)) call give('buffer', words, buffer, buffer_size, error, length)
+    if (.not. allocated(error)) call return_text('buffer', words, buffer, buffer_size, error, length)
     info = ended(error, message, message_size)
   end function gsc_text
 
@@ -135,8 +135,8 @@ contains
     character(:), allocatable :: table_name, column_name
 
     call begin_call()
-    call take_string('table', table, table_name, error)
-    call take_string('column', column, column_name, error)
+    call read_string('table', table, table_name, error)
+    call read_string('column', column, column_name, error)
     if (.not. (present(rows) .and. present(kind) .and. present(width))) &
       call fail(error, code_input, 'rows, kind or width: is a null pointer')
     if (.not. allocated(error)) call size_of(transfer(study, 0_int64), table_name, column_name, rows, kind, width, error)
@@ -152,8 +152,8 @@ contains
     character(:), allocatable :: table_name, column_name
 
     call begin_call()
-    call take_string('table', table, table_name, error)
-    call take_string('column', column, column_name, error)
+    call read_string('table', table, table_name, error)
+    call read_string('column', column, column_name, error)
     if (.not. present(values)) call fail(error, code_input, 'values: is a null pointer')
     if (.not. allocated(error)) call numbers_of(transfer(study, 0_int64), table_name, column_name, rows, values, error)
     info = ended(error, message, message_size)
@@ -168,10 +168,10 @@ contains
     character(:), allocatable :: table_name, column_name, words
 
     call begin_call()
-    call take_string('table', table, table_name, error)
-    call take_string('column', column, column_name, error)
+    call read_string('table', table, table_name, error)
+    call read_string('column', column, column_name, error)
     if (.not. allocated(error)) call word_of(transfer(study, 0_int64), table_name, column_name, row, 0, words, error)
-    if (.not. allocated(error)) call give('word', words, word, word_size, error)
+    if (.not. allocated(error)) call return_text('word', words, word, word_size, error)
     info = ended(error, message, message_size)
   end function gsc_words
 
@@ -183,10 +183,10 @@ contains
     character(:), allocatable :: place, stem, words
 
     call begin_call()
-    call take_string('folder', folder, place, error)
-    call take_string('name', name, stem, error)
+    call read_string('folder', folder, place, error)
+    call read_string('name', name, stem, error)
     if (.not. allocated(error)) call write_files(transfer(study, 0_int64), place, stem, words, error)
-    if (.not. allocated(error)) call give('buffer', words, buffer, buffer_size, error, length)
+    if (.not. allocated(error)) call return_text('buffer', words, buffer, buffer_size, error, length)
     info = ended(error, message, message_size)
   end function gsc_write
 
@@ -212,11 +212,11 @@ contains
   end function ended
 
   !> Reads the text with this name: `length` bytes, or up to the first NUL.
-  subroutine take_text(name, text, length, taken, error)
+  subroutine read_text(name, text, length, copy, error)
     character(*), intent(in) :: name
     type(c_ptr), intent(in) :: text
     integer(c_size_t), intent(in) :: length
-    character(:), allocatable, intent(out) :: taken
+    character(:), allocatable, intent(out) :: copy
     type(error_t), allocatable, intent(inout) :: error
     character(c_char), pointer :: letters(:)
     integer(c_size_t) :: i, n
@@ -233,29 +233,29 @@ contains
       if (letters(n + 1) == c_null_char) exit
       n = n + 1
     end do
-    allocate (character(n) :: taken, stat=stat)
+    allocate (character(n) :: copy, stat=stat)
     if (stat /= 0) then
       call fail(error, code_memory, name//': does not fit into memory')
       return
     end if
     do i = 1, n
-      taken(i:i) = letters(i)
+      copy(i:i) = letters(i)
     end do
-  end subroutine take_text
+  end subroutine read_text
 
   !> Reads a text that ends with its NUL; empty for a null pointer.
-  subroutine take_string(name, text, taken, error)
+  subroutine read_string(name, text, copy, error)
     character(*), intent(in) :: name
     type(c_ptr), intent(in) :: text
-    character(:), allocatable, intent(out) :: taken
+    character(:), allocatable, intent(out) :: copy
     type(error_t), allocatable, intent(inout) :: error
 
-    taken = ''
-    if (c_associated(text)) call take_text(name, text, int(longest_text, c_size_t), taken, error)
-  end subroutine take_string
+    copy = ''
+    if (c_associated(text)) call read_text(name, text, int(longest_text, c_size_t), copy, error)
+  end subroutine read_string
 
   !> Returns a text and its NUL in the buffer with this name, if it fits; `length` is set in any case.
-  subroutine give(name, words, buffer, buffer_size, error, length)
+  subroutine return_text(name, words, buffer, buffer_size, error, length)
     character(*), intent(in) :: name, words
     type(c_ptr), intent(in) :: buffer
     integer(c_size_t), intent(in) :: buffer_size
@@ -271,7 +271,7 @@ contains
     else
       call copy_text(words, buffer, buffer_size)
     end if
-  end subroutine give
+  end subroutine return_text
 
   !> Copies `words` and a NUL, cut if `room` bytes are too few; copies nothing if there is no room. A negative `room`, a size_t
   !> above half its range, is enough for any text.

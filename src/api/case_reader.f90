@@ -3,7 +3,7 @@
 module gearsweep_api_case_reader
   use gearsweep_base, only: code_input, error_t, fail, join, lower, utf8
   use gearsweep_study, only: add_length_cautions, case_t, check_case, keys_t, namelist_t, open_list, open_reader, parse_namelist, &
-    read_direction, read_dynamics, read_load, read_materials, read_gear, read_model, read_numerics, read_pair, read_path, &
+    read_direction, read_dynamics, read_gear, read_load, read_materials, read_model, read_numerics, read_pair, read_path, &
     read_relief, read_section, read_sweep, reader_t, task_length
   use gearsweep_api_tasks, only: find_former_task, list_task_names, list_tasks
   implicit none
@@ -144,10 +144,10 @@ contains
       associate (slot => case%tasks(i))
         ! An absent group has no keys to read, or a brief reading ends with an error. A prescribed mesh changes the keys that tasks
         ! use.
-        if (reader%is_brief .and. .not. (slot%is_wanted .or. case%prescribed .or. reader%has_group(slot%info%name))) cycle
+        if (reader%is_brief .and. .not. (slot%is_requested .or. case%prescribed .or. reader%has_group(slot%info%name))) cycle
         before = reader%keys%asked
         call slot%task%read_keys(reader, error)
-        call reader%keys%write_given(reader%list, before, slot%given)
+        call reader%keys%write_given(reader%list, before, slot%key_text)
       end associate
     end do
     call read_dynamics(reader, case, error)
@@ -164,7 +164,7 @@ contains
     call reader%finish(error)
     if (allocated(error)) return
     call check_case(case, error)
-    call reader%keys%list_waiting(case%unused)
+    call reader%keys%list_unused(case%unused)
     call reader%keys%list_cautions(case%cautions)
     call add_length_cautions(case)
   end subroutine read_all
@@ -179,7 +179,7 @@ contains
 
     case%title = ''
     call reader%get('case', 'title', case%title, error, meaning='printed above the results')
-    call reader%get('case', 'published', case%published, error, otherwise='none', &
+    call reader%get('case', 'published', case%published, error, default_note='none', &
                     meaning='file of printed values to set beside the results; a relative name lies beside the case')
     call list_tasks(case%tasks)
     names = [(case%tasks(i)%info%name, i=1, size(case%tasks))]
@@ -194,7 +194,7 @@ contains
       end associate
     end if
     call reader%get('case', 'tasks', tasks, error, allowed=names, meaning='what to compute, and nothing else')
-    call case%want(tasks)
-    call reader%want(tasks)
+    call case%request(tasks)
+    call reader%request(tasks)
   end subroutine read_tasks
 end module gearsweep_api_case_reader

@@ -71,7 +71,7 @@ contains
     do i = 1, size(slots)
       associate (task => slots(i)%info)
         call lines%put('  {"name": "'//trim(task%name)//'", "meaning": ')
-        call lines%json_text(task%gives)
+        call lines%json_text(task%summary)
         call lines%put(', "needs": ')
         call put_words(join(stage_words(task%needs), ' '), lines)
         call lines%put(', "tables": ')
@@ -143,11 +143,11 @@ contains
     call lines%put('{"group": "'//trim(key%group)//'", "name": "'//trim(key%name)//'", "unit": ')
     call lines%json_text(key%unit)
     call lines%put(', "kind": "'//trim(kind_names(key%kind))//'", "list": '//truth(key%is_list)//', "required": '// &
-                   truth(key%is_required .and. key%otherwise /= 'none')//', "one_of": '//truth(key%is_one_of)//', "default": ')
+                   truth(key%is_required .and. key%default_note /= 'none')//', "one_of": '//truth(key%is_one_of)//', "default": ')
     if (has_default(key)) call lines%json_text(key%default)
     if (.not. has_default(key)) call lines%put('null')
     call lines%put(', "otherwise": ')
-    call lines%json_text(key%otherwise)
+    call lines%json_text(key%default_note)
     call lines%put(', "allowed": ')
     call lines%json_text(allowed)
     call lines%put(', "low": '//trim(bound(key%bounds%low, -1))//', "low_is_allowed": '//truth(.not. key%bounds%low_is_out)// &
@@ -168,8 +168,8 @@ contains
       type(key_t), intent(in) :: key
 
       has_default = allocated(key%default)
-      if (.not. has_default .or. len(key%otherwise) == 0) return
-      has_default = index(key%otherwise, trim(adjustl(unquoted(key%default)))) == 1
+      if (.not. has_default .or. len(key%default_note) == 0) return
+      has_default = index(key%default_note, trim(adjustl(unquoted(key%default)))) == 1
     end function has_default
 
     pure function unquoted(text)

@@ -13,7 +13,7 @@
 !> Version of the library, as 0.1.0.
 subroutine gs_version(version, info, message)
   use gearsweep_base, only: this => version
-  use gearsweep_api_api, only: begin_call, end_call, error_t, give
+  use gearsweep_api_api, only: begin_call, end_call, error_t, return_text
   implicit none
   character(*), intent(inout) :: version
   integer, intent(out) :: info
@@ -24,13 +24,13 @@ subroutine gs_version(version, info, message)
 
   call begin_call()
   words = this
-  call give('version', words, version, length, error)
+  call return_text('version', words, version, length, error)
   call end_call(error, info, message)
 end subroutine gs_version
 
 !> Describes what the library has, as text in JSON.
 subroutine gs_describe(what, buffer, length, info, message)
-  use gearsweep_api_api, only: begin_call, describe, end_call, error_t, give
+  use gearsweep_api_api, only: begin_call, describe, end_call, error_t, return_text
   implicit none
   character(*), intent(in) :: what
   character(*), intent(inout) :: buffer
@@ -42,13 +42,13 @@ subroutine gs_describe(what, buffer, length, info, message)
 
   call begin_call()
   call describe(trim(what), words, error)
-  call give('buffer', words, buffer, length, error)
+  call return_text('buffer', words, buffer, length, error)
   call end_call(error, info, message)
 end subroutine gs_describe
 
 !> Works on the text of a case.
 subroutine gs_edit(action, text, group, key, value, buffer, length, info, message)
-  use gearsweep_api_api, only: begin_call, edit, end_call, error_t, give
+  use gearsweep_api_api, only: begin_call, edit, end_call, error_t, return_text
   implicit none
   character(*), intent(in) :: action, text, group, key, value
   character(*), intent(inout) :: buffer
@@ -60,7 +60,7 @@ subroutine gs_edit(action, text, group, key, value, buffer, length, info, messag
 
   call begin_call()
   call edit(trim(action), text, trim(group), trim(key), trim(value), words, error)
-  call give('buffer', words, buffer, length, error)
+  call return_text('buffer', words, buffer, length, error)
   call end_call(error, info, message)
 end subroutine gs_edit
 
@@ -103,7 +103,7 @@ end subroutine gs_rows
 
 !> Returns one of the texts of a study.
 subroutine gs_text(study, what, buffer, length, info, message)
-  use gearsweep_api_api, only: begin_call, end_call, error_t, give, int64, text_of
+  use gearsweep_api_api, only: begin_call, end_call, error_t, int64, return_text, text_of
   implicit none
   integer(int64), intent(in) :: study
   character(*), intent(in) :: what
@@ -116,7 +116,7 @@ subroutine gs_text(study, what, buffer, length, info, message)
 
   call begin_call()
   call text_of(study, trim(what), words, error)
-  call give('buffer', words, buffer, length, error)
+  call return_text('buffer', words, buffer, length, error)
   call end_call(error, info, message)
 end subroutine gs_text
 
@@ -155,7 +155,7 @@ end subroutine gs_column
 
 !> The words of a column in one row.
 subroutine gs_words(study, table, column, row, word, info, message)
-  use gearsweep_api_api, only: begin_call, end_call, error_t, give, int64, word_of
+  use gearsweep_api_api, only: begin_call, end_call, error_t, int64, return_text, word_of
   implicit none
   integer(int64), intent(in) :: study
   character(*), intent(in) :: table, column
@@ -169,13 +169,13 @@ subroutine gs_words(study, table, column, row, word, info, message)
 
   call begin_call()
   call word_of(study, table, column, row, 1, words, error)
-  call give('word', words, word, length, error)
+  call return_text('word', words, word, length, error)
   call end_call(error, info, message)
 end subroutine gs_words
 
 !> Writes a study's tables and grids as files.
 subroutine gs_write(study, folder, name, buffer, length, info, message)
-  use gearsweep_api_api, only: begin_call, end_call, error_t, give, int64, write_files
+  use gearsweep_api_api, only: begin_call, end_call, error_t, int64, return_text, write_files
   implicit none
   integer(int64), intent(in) :: study
   character(*), intent(in) :: folder, name
@@ -188,7 +188,7 @@ subroutine gs_write(study, folder, name, buffer, length, info, message)
 
   call begin_call()
   call write_files(study, trim(folder), trim(name), words, error)
-  call give('buffer', words, buffer, length, error)
+  call return_text('buffer', words, buffer, length, error)
   call end_call(error, info, message)
 end subroutine gs_write
 

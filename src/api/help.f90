@@ -55,10 +55,10 @@ contains
     if (index(name, '&') == 1) name = name(2:)
     if (index(name, ' ') > 0) then
       call find_key(keys, name, at, unknown)
-      if (.not. allocated(unknown)) call tell_key(keys%key(at), lines)
+      if (.not. allocated(unknown)) call add_key_help(keys%key(at), lines)
     else
       do i = 1, size(slots)
-        if (slots(i)%info%name == name) call tell_task(slots(i)%info, lines)
+        if (slots(i)%info%name == name) call add_task_help(slots(i)%info, lines)
       end do
       do i = 1, size(keys%groups)
         if (keys%groups(i)%name == name) then
@@ -74,7 +74,7 @@ contains
         end if
       end do
       do i = 1, keys%known
-        if (keys%key(i)%name == name) call tell_key(keys%key(i), lines)
+        if (keys%key(i)%name == name) call add_key_help(keys%key(i), lines)
       end do
     end if
     if (len(lines%text()) == 0) call search_descriptions(keys, slots, name, lines)
@@ -113,9 +113,9 @@ contains
     call add_keys(in_group)
     call add_keys(named .and. .not. in_group)
     do i = 1, size(slots)
-      if (.not. has_words(trim(slots(i)%info%name)//' '//slots(i)%info%gives, words)) cycle
+      if (.not. has_words(trim(slots(i)%info%name)//' '//slots(i)%info%summary, words)) cycle
       call lines%add('task '//trim(slots(i)%info%name))
-      call lines%add_wrapped(slots(i)%info%gives//'.', '  ')
+      call lines%add_wrapped(slots(i)%info%summary//'.', '  ')
     end do
     call add_keys(meant)
     do i = 1, size(glossary)
@@ -251,17 +251,17 @@ contains
     call fail(error, code_input, '&'//trim(group)//': unknown group'//why//'; the groups are '//join(names, ', '))
   end subroutine find_key
 
-  subroutine tell_task(task, lines)
+  subroutine add_task_help(task, lines)
     type(task_info_t), intent(in) :: task
     type(lines_t), intent(inout) :: lines
 
     call lines%add('task '//trim(task%name))
-    call lines%add_wrapped(task%gives//'.', '  ')
+    call lines%add_wrapped(task%summary//'.', '  ')
     call lines%add('  tables    '//trim(task%tables//' '//task%fields))
     call lines%add('')
-  end subroutine tell_task
+  end subroutine add_task_help
 
-  subroutine tell_key(key, lines)
+  subroutine add_key_help(key, lines)
     type(key_t), intent(in) :: key
     type(lines_t), intent(inout) :: lines
     character(:), allocatable :: allowed
@@ -274,7 +274,7 @@ contains
     call lines%add('  allowed   '//allowed)
     if (len(key%tasks) > 0) call lines%add('  for       '//key%tasks)
     call lines%add('')
-  end subroutine tell_key
+  end subroutine add_key_help
 
   !> Default of a key, in words.
   pure function default_of(key) result(words)
@@ -283,9 +283,9 @@ contains
 
     words = 'none'
     if (allocated(key%default)) words = key%default
-    if (len(key%otherwise) > 0) words = key%otherwise
+    if (len(key%default_note) > 0) words = key%default_note
     if (key%is_one_of) words = 'exactly one of the group''s keys must be given'
-    if (key%is_required .and. len(key%otherwise) == 0) words = 'required'
+    if (key%is_required .and. len(key%default_note) == 0) words = 'required'
     if (words == '''''') words = 'empty'
   end function default_of
 
@@ -313,7 +313,7 @@ contains
       if (default == 'required') default = '**required**'
       if (keys%key(i)%is_one_of) default = '**one of these**'
       if (default == 'none') default = '-'
-      if (allocated(keys%key(i)%default) .and. len(keys%key(i)%otherwise) == 0 .and. default /= 'empty' .and. &
+      if (allocated(keys%key(i)%default) .and. len(keys%key(i)%default_note) == 0 .and. default /= 'empty' .and. &
           any(keys%key(i)%kind == [kind_logical, kind_text])) default = '`'//keys%key(i)%default//'`'
       words = ''
       if (allocated(keys%key(i)%words)) then

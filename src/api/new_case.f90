@@ -68,7 +68,7 @@ contains
       'rating accuracy_grade', 'rating face_load_factor', 'load application_factor']
 
     is_common = any(common == trim(key%group)//' '//key%name)
-    if (len(key%refused) == 0) is_common = is_common .or. key%is_required .or. key%is_one_of
+    if (len(key%not_allowed) == 0) is_common = is_common .or. key%is_required .or. key%is_one_of
   end function is_common
 
   subroutine add_key(key, tasks, lines)
@@ -79,14 +79,14 @@ contains
     integer, parameter :: beside = 34, wide = 86
     integer :: at
 
-    why = key%refused
-    if (len(why) == 0) why = key%lacks
+    why = key%not_allowed
+    if (len(why) == 0) why = key%unused_without
     line = '  '
     if (len(why) > 0) line = '  ! '
     line = line//trim(key%name)//' ='
     if (key%name == 'tasks') then
       line = line//' '''//join(tasks, ''', ''')//''''
-    else if (allocated(key%default) .and. len(key%otherwise) == 0 .and. .not. key%is_required) then
+    else if (allocated(key%default) .and. len(key%default_note) == 0 .and. .not. key%is_required) then
       line = line//' '//key%default
     end if
     call key%list_allowed(allowed)
@@ -96,9 +96,9 @@ contains
     remark = remark//key%meaning//' ('
     if (len(key%unit) > 0) remark = remark//key%unit//', '
     remark = remark//allowed
-    if (len(key%otherwise) > 0) remark = remark//'; default: '//key%otherwise
-    if (len(key%refused) > 0) remark = remark//'; '//why
-    if (len(key%refused) == 0 .and. len(key%lacks) > 0) remark = remark//'; for '//why
+    if (len(key%default_note) > 0) remark = remark//'; default: '//key%default_note
+    if (len(key%not_allowed) > 0) remark = remark//'; '//why
+    if (len(key%not_allowed) == 0 .and. len(key%unused_without) > 0) remark = remark//'; for '//why
     remark = remark//')'
     ! The comment continues on the next lines.
     call lines%put(line//repeat(' ', max(0, beside - len(line))))

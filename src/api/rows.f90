@@ -4,14 +4,14 @@ module gearsweep_api_rows
   use, intrinsic :: iso_c_binding, only: c_loc
   use gearsweep_base, only: claim_memory, code_input, code_ok, code_partial, code_stopped, column_t, dp, error_t, fail, kind_text, &
     lower, no_number, shown, split, str, table_t, wants_stop
-  use gearsweep_study, only: case_t, change_key, failed_points, name_length, namelist_t, parse_namelist, run_study, study_t, &
-    tell_number
+  use gearsweep_study, only: case_t, change_key, failed_points, name_length, namelist_t, parse_namelist, run_study, &
+    shortest_digits, study_t
   use gearsweep_api_case_reader, only: check_keys, read_list
-  use gearsweep_api_kept, only: find_column, find_table, kept_t
+  use gearsweep_api_handles, only: find_column, find_table, handle_t
   use gearsweep_api_tables, only: make_table, table_names
   implicit none
   private
-  public :: run_rows, judge
+  public :: run_rows, check_study
 
   !> A name of two parts: group and key of a key, or table and column of a column.
   type :: place_t
@@ -19,11 +19,11 @@ module gearsweep_api_rows
   end type place_t
 
   !> A selected column and its numbers.
-  type :: taken_t
+  type :: selected_t
     type(column_t) :: column
     integer :: each = 0                          !< numbers of the column for one row of values
     real(dp), allocatable :: numbers(:, :)       !< (number of one row, row)
-  end type taken_t
+  end type selected_t
 
   !> Result of a row of values.
   type :: outcome_t
@@ -34,25 +34,25 @@ module gearsweep_api_rows
 contains
 
   !> Runs the case once for each row of `values` (name, row) of the keys in `names`, each as group.key, separated by blanks. The
-  !> columns in `take`, each as table.column, are collected in tables of `kept`, whose first, `rows`, has each row's code and
-  !> message. A row without a result has NaN. The first row that runs sets the count of numbers for each row. `kept%study` is that
+  !> columns in `take`, each as table.column, are collected in tables of `handle`, whose first, `rows`, has each row's code and
+  !> message. A row without a result has NaN. The first row that runs sets the count of numbers for each row. `handle%study` is that
   !> of the last row that ran; products of `earlier` and of earlier rows with the same inputs are reused.
-  subroutine run_rows(text, folder, threads, earlier, watch, names, values, take, kept, error)
+  subroutine run_rows(text, folder, threads, earlier, watch, names, values, take, handle, error)
     character(*), intent(in) :: text, folder, names, take
     integer, intent(in) :: threads
     type(study_t), pointer, intent(in) :: earlier
     integer, intent(inout), target :: watch(3)
     real(dp), intent(in) :: values(:, :)
-    type(kept_t), pointer, intent(in) :: kept
+    type(handle_t), pointer, intent(in) :: handle
     type(error_t), allocatable, intent(inout) :: error
     type(place_t), allocatable :: keys(:), places(:)
-    type(taken_t), allocatable :: taken(:)
+    type(selected_t), allocatable :: selected(:)
     type(outcome_t), allocatable :: outcomes(:)
     type(error_t), allocatable :: wrong
     type(namelist_t) :: list
     type(case_t) :: case
     type(study_t), pointer :: now, before
-    character(:), allocatable :: whole
+    character(:), allocatable :: full_text
     integer, allocatable :: at(:)
     integer :: row, k
     logical :: is_own
@@ -60,23 +60,24 @@ contains
     call split_places('names', names, keys, error)
     call split_places('take', take, places, error)
     if (allocated(error)) return
-    call put_keys(text, keys, values, whole, list, at, error)
+    call put_keys(text, keys, values, full_text, list, at, error)
     call claim_memory(200.0_dp*size(values, 2), 'rows = '//str(size(values, 2)), error)
     if (allocated(error)) return
     allocate (outcomes(size(values, 2)))
     watch(2:3) = [0, size(values, 2)]
-    kept%is_of_rows = .true.
+    handle%is_of_rows = .true.
     before => earlier
     is_own = .false.                             ! true once `before` is the study of a row
     do row = 1, size(values, 2)
       if (wants_stop(c_loc(watch))) exit
       if (allocated(wrong)) deallocate (wrong)
-      call read_row(whole, list, at, values(:, row), case, wrong)
+      call read_row(full_text, list, at, values(:, row), case, wrong)
       allocate (now)
-      if (.not. allocated(wrong)) call run_study(case, folder, threads, now, wrong, watch=watch, earlier=before, is_told=.false.)
+      if (.not. allocated(wrong)) call run_study(case, folder, threads, now, wrong, watch=watch, earlier=before, &
+        has_progress=.false.)
       if (.not. allocated(wrong)) then
-        if (.not. now%stopped) call take_columns(now, places, row, size(values, 2), taken, wrong, error)
-        call judge(now, wrong)
+        if (.not. now%stopped) call copy_columns(now, places, row, size(values, 2), selected, wrong, error)
+        call check_study(now, wrong)
         if (is_own) deallocate (before)
         before => now
         is_own = .true.
@@ -92,9 +93,9 @@ contains
     do k = row, size(outcomes)
       outcomes(k)%message = 'not run, as the call was interrupted'
     end do
-    if (.not. allocated(error)) call fill_tables(outcomes, places, taken, kept%tables, error)
+    if (.not. allocated(error)) call fill_tables(outcomes, places, selected, handle%tables, error)
     if (is_own) then
-      kept%study = before
+      handle%study = before
       deallocate (before)
     end if
     if (any(outcomes%code == code_stopped)) call fail(error, code_stopped, 'interrupted: rows that were done by then are there')
@@ -103,7 +104,7 @@ contains
   end subroutine run_rows
 
   !> Sets the error of a study with missing results.
-  subroutine judge(study, error)
+  subroutine check_study(study, error)
     type(study_t), intent(in) :: study
     type(error_t), allocatable, intent(inout) :: error
 
@@ -114,7 +115,7 @@ contains
       call fail(error, code_partial, str(failed_points(study))//' operating points have no answer (NaN); their '// &
                 'status says why')
     end if
-  end subroutine judge
+  end subroutine check_study
 
   subroutine split_places(what, list, places, error)
     character(*), intent(in) :: what, list
@@ -134,11 +135,11 @@ contains
   end subroutine split_places
 
   !> Builds the text with the first row's values, splits it, and finds the entries of the keys.
-  subroutine put_keys(text, keys, values, whole, list, at, error)
+  subroutine put_keys(text, keys, values, full_text, list, at, error)
     character(*), intent(in) :: text
     type(place_t), intent(in) :: keys(:)
     real(dp), intent(in) :: values(:, :)         !< (key, row)
-    character(:), allocatable, intent(out) :: whole
+    character(:), allocatable, intent(out) :: full_text
     type(namelist_t), intent(out) :: list
     integer, allocatable, intent(out) :: at(:)
     type(error_t), allocatable, intent(inout) :: error
@@ -146,17 +147,17 @@ contains
     character(:), allocatable :: next
     integer :: i
 
-    whole = text
+    full_text = text
     allocate (asked%entries(size(keys)), at(size(keys)))
     do i = 1, size(keys)
       if (allocated(error)) return
       asked%entries(i)%group = trim(keys(i)%first)
       asked%entries(i)%key = trim(keys(i)%second)
-      call change_key(whole, trim(keys(i)%first), trim(keys(i)%second), trim(told(values(i, 1))), next, error)
-      if (.not. allocated(error)) call move_alloc(next, whole)
+      call change_key(full_text, trim(keys(i)%first), trim(keys(i)%second), trim(shortest_text(values(i, 1))), next, error)
+      if (.not. allocated(error)) call move_alloc(next, full_text)
     end do
-    call check_keys(whole, asked, error)
-    if (.not. allocated(error)) call parse_namelist(whole, list, error)
+    call check_keys(full_text, asked, error)
+    if (.not. allocated(error)) call parse_namelist(full_text, list, error)
     if (allocated(error)) return
     do i = 1, size(keys)
       at(i) = list%position(lower(keys(i)%first), lower(keys(i)%second))
@@ -182,7 +183,7 @@ contains
         ! A number that is no integer is written with the fewest digits, for messages. If the text with integers in exponential form
         ! is
         ! refused, the second pass writes them as integers, which keys of integers require.
-        if (pass == 2 .or. .not. abs(values(k) - anint(values(k))) > 0) words = told(values(k))
+        if (pass == 2 .or. .not. abs(values(k) - anint(values(k))) > 0) words = shortest_text(values(k))
         list%entries(at(k))%values(1)%text = trim(adjustl(words))
       end do
       call read_list(text, list, case, error)
@@ -191,25 +192,25 @@ contains
   end subroutine read_row
 
   !> Number in the fewest digits that read back to the same bits.
-  function told(value) result(words)
+  function shortest_text(value) result(words)
     real(dp), intent(in) :: value
     character(30) :: words
     real(dp) :: number
     logical :: found
 
     words = str(value)
-    if (abs(value) <= huge(value)) call tell_number(value, 1.0_dp, words, number, found)
-  end function told
+    if (abs(value) <= huge(value)) call shortest_digits(value, 1.0_dp, words, number, found)
+  end function shortest_text
 
-  !> Copies the numbers of the columns into this row of `taken`; `wrong` if this row has another count than the first one. A column
-  !> missing in the first row that runs is an `error` of the call.
-  subroutine take_columns(study, places, row, rows, taken, wrong, error)
+  !> Copies the numbers of the columns into this row of `selected`; `wrong` if this row has another count than the first one. A
+  !> column missing in the first row that runs is an `error` of the call.
+  subroutine copy_columns(study, places, row, rows, selected, wrong, error)
     type(study_t), intent(in) :: study
     type(place_t), intent(in) :: places(:)
     integer, intent(in) :: row, rows
-    type(taken_t), allocatable, intent(inout) :: taken(:)
+    type(selected_t), allocatable, intent(inout) :: selected(:)
     type(error_t), allocatable, intent(inout) :: wrong, error
-    type(taken_t) :: found(size(places))
+    type(selected_t) :: found(size(places))
     type(table_t) :: table
     integer :: i, at
 
@@ -225,22 +226,22 @@ contains
       if (allocated(wrong)) exit
       found(i)%column = table%columns(at)
       found(i)%each = table%rows
-      if (.not. allocated(taken)) cycle
-      if (table%rows /= taken(i)%each) call fail(wrong, code_input, trim(places(i)%first)//': has '//str(table%rows)// &
-        ' rows, and '//str(taken(i)%each)//' with the first values that ran; they must be as many with all values')
+      if (.not. allocated(selected)) cycle
+      if (table%rows /= selected(i)%each) call fail(wrong, code_input, trim(places(i)%first)//': has '//str(table%rows)// &
+        ' rows, and '//str(selected(i)%each)//' with the first values that ran; they must be as many with all values')
     end do
-    if (.not. allocated(taken)) then
+    if (.not. allocated(selected)) then
       if (allocated(wrong)) call fail(error, wrong%code, wrong%message)
       call claim_memory(8.0_dp*rows*sum(found%each), 'rows = '//str(rows)//': their columns', error)
       if (allocated(error)) return
-      taken = found
-      do i = 1, size(taken)
-        allocate (taken(i)%numbers(taken(i)%each, rows), source=no_number())
+      selected = found
+      do i = 1, size(selected)
+        allocate (selected(i)%numbers(selected(i)%each, rows), source=no_number())
       end do
     end if
     if (allocated(wrong)) return
-    do i = 1, size(taken)
-      taken(i)%numbers(:, row) = found(i)%column%numbers
+    do i = 1, size(selected)
+      selected(i)%numbers(:, row) = found(i)%column%numbers
     end do
 
   contains
@@ -252,14 +253,14 @@ contains
       table_is = allocated(table%name)
       if (table_is) table_is = table%name == name
     end function table_is
-  end subroutine take_columns
+  end subroutine copy_columns
 
   !> Explains why a column is not available.
   subroutine explain(study, place, error)
     type(study_t), intent(in) :: study
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(inout) :: error
-    type(kept_t), pointer :: all
+    type(handle_t), pointer :: all
     type(table_t), pointer :: table
     type(column_t), pointer :: column
     integer :: i
@@ -278,10 +279,10 @@ contains
   end subroutine explain
 
   !> Fills the table `rows`, and one for each table with a selected column.
-  subroutine fill_tables(outcomes, places, taken, tables, error)
+  subroutine fill_tables(outcomes, places, selected, tables, error)
     type(outcome_t), intent(in) :: outcomes(:)
     type(place_t), intent(in) :: places(:)
-    type(taken_t), allocatable, intent(in) :: taken(:)
+    type(selected_t), allocatable, intent(in) :: selected(:)
     type(table_t), allocatable, intent(out) :: tables(:)
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: messages(:)
@@ -297,9 +298,9 @@ contains
     if (allocated(error)) return
     call tables(1)%add('code', '', 'what went wrong: 0 is nothing, the others are those of a run', [outcomes%code])
     call tables(1)%add_words('message', 'the same in words', messages)
-    do i = 1, merge(size(places), 0, allocated(taken))
+    do i = 1, merge(size(places), 0, allocated(selected))
       k = findloc(places%first == places(i)%first, .true., 1)
-      associate (table => tables(1 + k), one => taken(i))
+      associate (table => tables(1 + k), one => selected(i))
         if (.not. table%is_there()) then
           table%name = trim(places(i)%first)
           call table%begin('the rows of this table with the first row of values, then with the second, and so on', &

@@ -85,7 +85,7 @@ contains
       if (allocated(text)) then
         call put(trim(names(i))//'.csv', csv_start)
       else
-        call files%lacks(name//'.'//trim(names(i))//'.csv', csv_start)
+        call files%mark_absent(name//'.'//trim(names(i))//'.csv', csv_start)
       end if
     end do
     do i = 1, size(study%tasks)
@@ -108,7 +108,7 @@ contains
       character(*), intent(in) :: of
 
       if (.not. (allocated(study%tasks(i)%task%grid) .and. table%is_there())) then
-        call files%lacks(name//'.'//of//'.vtu', vtu_start)
+        call files%mark_absent(name//'.'//of//'.vtu', vtu_start)
         return
       end if
       ! Memory of the text with its doubled copies, and of the copy that is returned.

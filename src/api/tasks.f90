@@ -47,7 +47,7 @@ contains
     allocate (slots(n))
     do i = 1, n
       slots(i)%info = room(i)%info
-      slots(i)%given = ''
+      slots(i)%key_text = ''
       call move_alloc(room(i)%task, slots(i)%task)
     end do
 

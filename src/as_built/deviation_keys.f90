@@ -3,7 +3,7 @@ module gearsweep_as_built_deviation_keys
   use gearsweep_base, only: code_input, dp, error_t, fail, str
   use gearsweep_gear, only: find_tolerances, gear_spec_t, tolerances_t
   use gearsweep_mesh, only: common_divisor, flank_deviations_t, length_of_turn
-  use gearsweep_study, only: first_of, is_prescribed, gear_names, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study, only: first_nonblank, gear_names, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   implicit none
   private
   public :: deviations_choice_t, read_deviations, check_deviations
@@ -48,17 +48,17 @@ contains
       ! If the group is present, `check_deviations` requires some deviation.
       call reader%get(group, trim(gear_names(i))//'_class', choice%class(i), error, tasks=task, at_least=1, at_most=11, &
                       required=i == 1 .and. .not. (reader%has_group(group) .or. is_prescribed(reader)), &
-                      refused=unless(.not. is_prescribed(reader), needs_gears), otherwise='none', &
+                      not_allowed=text_unless(.not. is_prescribed(reader), needs_gears), default_note='none', &
                       meaning='flank tolerance class of ISO 1328-1, from whose tolerances flanks are drawn at random: '// &
                       'positions of the flanks, slopes of the profiles, run-out')
     end do
     with_class = any(choice%class > 0)
     call reader%get(group, 'seed', choice%seed, error, tasks=task, at_least=1, at_most=10**9, &
-                    lacks=unless(with_class, 'a class'), meaning='number that decides which flanks are drawn')
+                    unused_without=text_unless(with_class, 'a class'), meaning='number that decides which flanks are drawn')
     call reader%get(group, 'draws', choice%draws, error, tasks=task, at_least=1, at_most=10000, &
-                    lacks=unless(with_class, 'a class'), &
+                    unused_without=text_unless(with_class, 'a class'), &
                     meaning='how many pairs of gears are drawn')
-    call reader%get(group, 'accepted', choice%accepted, error, tasks=task, lacks=unless(with_class, 'a class'), &
+    call reader%get(group, 'accepted', choice%accepted, error, tasks=task, unused_without=text_unless(with_class, 'a class'), &
                     meaning='whether a drawn gear that is outside its class in f_p, F_p, f_Halpha or F_r is drawn again, '// &
                     'as an inspection would reject it')
     do i = 1, 2
@@ -68,7 +68,7 @@ contains
                      reader%has(group, 'gear_runout_um')
     assembly = 'stated'
     call reader%get(group, 'assembly', assembly, error, tasks=task, allowed=[character(6) :: 'stated', 'all'], &
-                    lacks=unless(choice%any_of(1) .and. choice%any_of(2), 'deviations of both gears'), &
+                    unused_without=text_unless(choice%any_of(1) .and. choice%any_of(2), 'deviations of both gears'), &
                     meaning='which teeth meet: the stated teeth at the time 0, or each assembly in turn; numbers of teeth '// &
                     'with the common divisor g have g of them where both gears deviate')
     choice%all_assemblies = assembly == 'all' .and. choice%any_of(1) .and. choice%any_of(2)
@@ -88,42 +88,42 @@ contains
 
     has_backlash = reader%has('pair', 'backlash_um') .or. any([(reader%has(trim(gear_names(i)), 'thickness_allowance_um') .or. &
                                                                 reader%has(trim(gear_names(i)), 'generating_shift'), i=1, 2)])
-    drawn = unless(.not. with_class, 'does not go with '//gear//'class; remove one')
+    drawn = text_unless(.not. with_class, 'does not go with '//gear//'class; remove one')
     call get_list('single_pitch_um', flanks%single_pitch, 'of each tooth the pitch to it from the tooth before, longer than '// &
                   'the mean pitch (+) or shorter (-), on the measuring circle; they add up to 0', drawn)
     call get_list('cumulative_pitch_um', flanks%cumulative_pitch, 'of each tooth how far its flank is out of place, ahead (+) '// &
                   'or behind (-) in the direction of counting, on the measuring circle, instead of single pitches', &
-                  first_of(drawn, unless(.not. allocated(flanks%single_pitch), 'does not go with '//gear// &
+                  first_nonblank(drawn, text_unless(.not. allocated(flanks%single_pitch), 'does not go with '//gear// &
                                          'single_pitch_um; remove one')))
     call get_list('coast_pitch_um', flanks%coast_pitch, 'cumulative pitch of the coast flanks, on the measuring circle: of '// &
                   'each tooth how far its coast flank is out of place; without it each tooth moves both its flanks. Its mean '// &
                   'does not count: the backlash has the thickness of the teeth', &
-                  first_of(drawn, unless(has_backlash, 'goes with a backlash only')))
-    call reader%get(group, gear//'flanks_file', file%name, error, tasks=task, otherwise='none', &
-                    refused=first_of(unless(.not. is_prescribed(reader), needs_gears), drawn), &
+                  first_nonblank(drawn, text_unless(has_backlash, 'goes with a backlash only')))
+    call reader%get(group, gear//'flanks_file', file%name, error, tasks=task, default_note='none', &
+                    not_allowed=first_nonblank(text_unless(.not. is_prescribed(reader), needs_gears), drawn), &
                     meaning='file of measured profiles of the flanks, instead of slope and form: below the line '// &
                     'tooth,flank,roll_mm,deviation_um a row for each point, with the number of the tooth, left or right, the '// &
                     'radius of curvature of the involute there, and the deviation from it, more material (+) or less (-). A '// &
                     'relative name lies beside the case')
-    measured = first_of(drawn, unless(.not. allocated(file%name), 'does not go with '//gear//'flanks_file; remove one'))
+    measured = first_nonblank(drawn, text_unless(.not. allocated(file%name), 'does not go with '//gear//'flanks_file; remove one'))
     call get_list('profile_slope_um', flanks%slope, 'profile slope deviation over the path of contact, more material to the '// &
                   'tip (+) or less (-): of all teeth, or of each', measured)
     call get_list('profile_form_um', flanks%form, 'profile form deviation as a parabola over the path of contact, more '// &
                   'material in the middle (+) or less (-): of all teeth, or of each', measured)
-    call reader%get(group, gear//'runout_um', flanks%runout, error, unit='um', given=given, tasks=task, refused=drawn, &
-                    at_least=0.0_dp, at_most=largest, otherwise='none', &
+    call reader%get(group, gear//'runout_um', flanks%runout, error, unit='um', is_stated=given, tasks=task, not_allowed=drawn, &
+                    at_least=0.0_dp, at_most=largest, default_note='none', &
                     meaning='run-out F_r, twice the eccentricity: a wave of order 1 of half as much')
     call reader%get(group, gear//'runout_phase_deg', flanks%runout_phase, error, unit='deg', tasks=task, &
                     required=given, at_least=-360.0_dp, at_most=360.0_dp, &
-                    lacks=unless(given, gear//'runout_um'), otherwise='none; required with '//gear//'runout_um', &
+                    unused_without=text_unless(given, gear//'runout_um'), default_note='none; required with '//gear//'runout_um', &
                     meaning='phase of that wave where the stated tooth enters at A: with 90 the flanks are farthest apart')
     call get_orders(has_waves)
     call reader%get(group, gear//'wave_um', flanks%wave, error, unit='um', tasks=task, required=has_waves, &
-                    lacks=unless(has_waves, gear//'wave_order'), at_least=0.0_dp, at_most=largest, max_size=100, &
-                    otherwise='none; required with '//gear//'wave_order', meaning='amplitude of each wave')
+                    unused_without=text_unless(has_waves, gear//'wave_order'), at_least=0.0_dp, at_most=largest, max_size=100, &
+                    default_note='none; required with '//gear//'wave_order', meaning='amplitude of each wave')
     call reader%get(group, gear//'wave_phase_deg', flanks%wave_phase, error, unit='deg', tasks=task, &
-                    required=has_waves, lacks=unless(has_waves, gear//'wave_order'), at_least=-360.0_dp, at_most=360.0_dp, &
-                    max_size=100, otherwise='none; required with '//gear//'wave_order', &
+                    required=has_waves, unused_without=text_unless(has_waves, gear//'wave_order'), at_least=-360.0_dp, &
+                    at_most=360.0_dp, max_size=100, default_note='none; required with '//gear//'wave_order', &
                     meaning='phase of each where the stated tooth enters at A')
     call read_counting(reader, gear, flanks, file, error)
 
@@ -133,8 +133,8 @@ contains
       character(*), intent(in) :: key, meaning, refused
       real(dp), allocatable, intent(inout) :: values(:)
 
-      call reader%get(group, gear//key, values, error, unit='um', tasks=task, refused=refused, at_least=-largest, &
-                      at_most=largest, max_size=100000, otherwise='none', meaning=meaning)
+      call reader%get(group, gear//key, values, error, unit='um', tasks=task, not_allowed=refused, at_least=-largest, &
+                      at_most=largest, max_size=100000, default_note='none', meaning=meaning)
     end subroutine get_list
 
     !> Reads the orders of the waves, whole numbers.
@@ -143,8 +143,8 @@ contains
       real(dp), allocatable :: order(:)
 
       call reader%get(group, gear//'wave_order', order, error, tasks=task, at_least=1.0_dp, at_most=1e5_dp, max_size=100, &
-                      otherwise='none', meaning='waviness of the flanks: whole numbers of waves over a turn, which go on from '// &
-                      'tooth to tooth')
+                      default_note='none', &
+                      meaning='waviness of the flanks: whole numbers of waves over a turn, which go on from '// 'tooth to tooth')
       given = allocated(order)
       if (.not. given) return
       if (any(abs(order - anint(order)) > 0)) call fail(error, code_input, '&deviations '//gear//'wave_order = '// &
@@ -167,16 +167,16 @@ contains
 
     listed = is_list(flanks%single_pitch) .or. is_list(flanks%cumulative_pitch) .or. is_list(flanks%slope) .or. &
              is_list(flanks%form) .or. is_list(flanks%coast_pitch) .or. allocated(file%name)
-    lacks = unless(listed, 'a list or a file of single teeth')
-    call reader%get(group, gear//'counting', counting, error, tasks=task, required=listed, lacks=lacks, &
-                    allowed=[character(16) :: 'clockwise', 'counterclockwise'], otherwise=without, &
+    lacks = text_unless(listed, 'a list or a file of single teeth')
+    call reader%get(group, gear//'counting', counting, error, tasks=task, required=listed, unused_without=lacks, &
+                    allowed=[character(16) :: 'clockwise', 'counterclockwise'], default_note=without, &
                     meaning='direction in which the teeth are counted, seen from the datum face')
-    call reader%get(group, gear//'flank', flank, error, tasks=task, required=listed, lacks=lacks, &
-                    allowed=[character(5) :: 'left', 'right'], otherwise=without, &
+    call reader%get(group, gear//'flank', flank, error, tasks=task, required=listed, unused_without=lacks, &
+                    allowed=[character(5) :: 'left', 'right'], default_note=without, &
                     meaning='flanks that carry the load, of which the lists are and that count in the file: seen from '// &
                     'the datum face with the tip up')
-    call reader%get(group, gear//'tooth', flanks%tooth, error, tasks=task, required=listed, lacks=lacks, at_least=1, &
-                    at_most=100000, otherwise=without, &
+    call reader%get(group, gear//'tooth', flanks%tooth, error, tasks=task, required=listed, unused_without=lacks, at_least=1, &
+                    at_most=100000, default_note=without, &
                     meaning='number of the tooth that enters contact at A at the time 0')
     if (.not. listed) flanks%tooth = 1
     if (.not. (listed .and. allocated(counting) .and. allocated(flank))) return

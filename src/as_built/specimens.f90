@@ -263,7 +263,7 @@ contains
     do r = 1, size(which)
       call run_quickly(stages%motion(which(r)), deviations, rpm, stages%running%threads, stages%accuracy%steady%stop, motions)
       if (wants_stop(stages%accuracy%steady%stop)) return
-      call stages%running%tell(size(rpm)*count(.not. in_sample), stages%accuracy%steady%stop)
+      call stages%running%report_progress(size(rpm)*count(.not. in_sample), stages%accuracy%steady%stop)
       sample_error(r) = -1
       class_error = -1
       do k = 1, n

@@ -8,8 +8,8 @@ module gearsweep_as_built_task_as_built
   use gearsweep_gear, only: fit_flanks, flank_points_t, read_flank_points
   use gearsweep_mesh, only: smooth_intervals
   use gearsweep_motion, only: has_result, oscillator_t, scheme_collocation, sweep_t, turn_t
-  use gearsweep_study, only: case_facts_t, check_reliefs, factor_in, is_prescribed, gear_names, needs_gears, reader_t, runnable_t, &
-    stage, stages_t, task_info_t, unless
+  use gearsweep_study, only: case_facts_t, check_reliefs, factor_text, gear_names, is_prescribed, needs_gears, reader_t, &
+    runnable_t, stage, stages_t, task_info_t, text_unless
   use gearsweep_as_built_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
   use gearsweep_as_built_specimens, only: deviating, draw_specimens, follow_turn, run_specimens, specimen_t, &
     sweep_each, unit_root_stress
@@ -30,7 +30,7 @@ module gearsweep_as_built_task_as_built
     integer :: ste_harmonic = 0                  !< mesh harmonic of the static transmission error; 0: not requested
   contains
     procedure, nopass :: describe
-    procedure :: read_keys, check, take_files, count_points, run, add_report
+    procedure :: read_keys, check, parse_files, count_points, run, add_report
   end type as_built_task_t
 
   character(*), parameter :: group = 'as_built'
@@ -46,8 +46,8 @@ contains
                        tables='as_built as_built_summary as_built_worst as_built_teeth as_built_loads as_built_turn '// &
                        'as_built_orders as_built_waterfall tolerances', &
                        fields='', &
-                       gives='dynamic factor of gears whose teeth have errors of their own, over whole turns: worst assembly, '// &
-                       'load of each pair of teeth, orders of the transmission error')
+                       summary='dynamic factor of gears whose teeth have errors of their own, over whole turns: worst '// &
+                       'assembly, load of each pair of teeth, orders of the transmission error')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -60,7 +60,7 @@ contains
     call self%read_speeds(reader, group, error)
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'turn_rpm', self%turn_rpm, error, unit='1/min', tasks=group, at_least=1e-6_dp, at_most=1e9_dp, &
-                    max_size=100, distinct=.true., otherwise='that of the largest dynamic factor, of each relief', &
+                    max_size=100, distinct=.true., default_note='that of the largest dynamic factor, of each relief', &
                     meaning='speeds of the pinion at which the motion is followed over the turn')
     call reader%get(group, 'turn_draw', self%turn_draw, error, tasks=group, at_least=1, at_most=10000, &
                     meaning='which pair of gears is followed over the turn, in the order in which they are drawn')
@@ -80,7 +80,7 @@ contains
                     meaning='harmonic of the mesh frequency whose amplitude in the static transmission error of each pair of '// &
                     'gears and assembly is computed, over the turn; 0: none')
     call reader%get(group, 'with_root_stress', self%with_root_stress, error, tasks=group, &
-                    refused=unless(.not. is_prescribed(reader), needs_gears), &
+                    not_allowed=text_unless(.not. is_prescribed(reader), needs_gears), &
                     meaning='whether the largest root stress of each pair of gears and assembly is computed, in motion at the '// &
                     'speed of its largest dynamic factor')
     call read_deviations(reader, self%deviations, error)
@@ -117,7 +117,7 @@ contains
   end subroutine check
 
   !> Reads the files of measured flanks, in the order of `read_keys`.
-  subroutine take_files(self, stages, error)
+  subroutine parse_files(self, stages, error)
     class(as_built_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages         !< stages with the gears only
     type(error_t), allocatable, intent(inout) :: error
@@ -134,7 +134,7 @@ contains
       end associate
       if (allocated(error)) return
     end do
-  end subroutine take_files
+  end subroutine parse_files
 
   !> Counts each point of the sweeps.
   integer function count_points(self, stages) result(points)
@@ -271,14 +271,14 @@ contains
         call lines%add('   relief um   nominal  as built      at rpm   pinion tooth   gear tooth')
       end if
       do row = 1, summary%rows
-        call lines%put(right(str(summary%number('relief_um', row)), 12)//factor_in(summary%number('nominal_factor', row)))
+        call lines%put(right(str(summary%number('relief_um', row)), 12)//factor_text(summary%number('nominal_factor', row)))
         if (specimens > 1) then
-          call lines%add(factor_in(summary%number('least_factor', row))//factor_in(summary%number('median_factor', row))// &
-                         factor_in(summary%number('quantile_95_factor', row))// &
-                         factor_in(summary%number('largest_factor', row))//right(str(summary%number('rpm', row)), 12)// &
+          call lines%add(factor_text(summary%number('least_factor', row))//factor_text(summary%number('median_factor', row))// &
+                         factor_text(summary%number('quantile_95_factor', row))// &
+                         factor_text(summary%number('largest_factor', row))//right(str(summary%number('rpm', row)), 12)// &
                          right(str(summary%number('worst_draw', row)), 16)//right(str(summary%number('worst_assembly', row)), 11))
         else
-          call lines%add(factor_in(worst%number('dynamic_factor', row))//right(str(worst%number('rpm', row)), 12)// &
+          call lines%add(factor_text(worst%number('dynamic_factor', row))//right(str(worst%number('rpm', row)), 12)// &
                          right(str(worst%number('pinion_tooth', row)), 15)//right(str(worst%number('gear_tooth', row)), 13))
         end if
       end do

@@ -2,8 +2,8 @@
 !> gearsweep_body_modes_body_modes).
 module gearsweep_body_modes_task_body_modes
   use gearsweep_base, only: axis, code_input, dp, error_t, fail, left, lines_t, right, str, table_t
-  use gearsweep_study, only: is_prescribed, gear_names, needs_gears, reader_t, runnable_t, sentence_length, stage, stages_t, &
-    task_info_t, unless
+  use gearsweep_study, only: gear_names, is_prescribed, needs_gears, reader_t, runnable_t, sentence_length, stage, stages_t, &
+    task_info_t, text_unless
   use gearsweep_body_modes_body_modes, only: body_modes_t, body_options_t, find_body_modes, name_length, name_of
   use gearsweep_body_modes_sector, only: gear_blank_t, sector_t
   use gearsweep_body_modes_sector_modes, only: axial, radial, sector_mode_t
@@ -34,7 +34,7 @@ contains
 
     info = task_info_t(group, needs=[stage%geometry, stage%solid], &
                        tables='gear_body body_modes body_campbell body_nodes body_elements body_shapes', &
-                       fields='', gives='natural modes of a whole gear in three dimensions, by nodal diameter, '// &
+                       fields='', summary='natural modes of a whole gear in three dimensions, by nodal diameter, '// &
                        'and the speeds at which the mesh excites them')
   end subroutine describe
 
@@ -45,23 +45,23 @@ contains
     character(sentence_length) :: geared
 
     call reader%add_group(group, 'The task body_modes: natural modes of the gear &section gear, teeth and body, extruded.')
-    geared = unless(.not. is_prescribed(reader), needs_gears)
+    geared = text_unless(.not. is_prescribed(reader), needs_gears)
     associate (options => self%options)
-      call reader%get(group, 'modes', options%modes, error, tasks=group, refused=geared, at_least=1, at_most=100, &
+      call reader%get(group, 'modes', options%modes, error, tasks=group, not_allowed=geared, at_least=1, at_most=100, &
                       meaning='natural modes from the lowest, of each nodal diameter and each of both symmetries about the '// &
                       'middle plane')
-      call reader%get(group, 'nodal_diameters', options%most_diameters, error, tasks=group, refused=geared, at_least=0, &
-                      otherwise='all, half the number of teeth', meaning='nodal diameters from 0 up to this one')
+      call reader%get(group, 'nodal_diameters', options%most_diameters, error, tasks=group, not_allowed=geared, at_least=0, &
+                      default_note='all, half the number of teeth', meaning='nodal diameters from 0 up to this one')
       call self%read_held(reader, geared, error)
       call reader%get(group, 'hub_diameter_mm', self%hub_radius, error, unit='mm', factor=0.5_dp, tasks=group, &
-                      refused=geared, above=0.0_dp, otherwise='none: the web reaches the bore', &
+                      not_allowed=geared, above=0.0_dp, default_note='none: the web reaches the bore', &
                       meaning='outer diameter of a hub as wide as the teeth, inside a web (web_thickness_mm)')
-      call reader%get(group, 'elements_across', options%across, error, tasks=group, refused=geared, at_least=2, at_most=20, &
+      call reader%get(group, 'elements_across', options%across, error, tasks=group, not_allowed=geared, at_least=2, at_most=20, &
                       meaning='finite elements across a tooth, which all else follows; a second grid has half as many')
     end associate
-    call reader%get(group, 'shapes', self%shapes, error, tasks=group, refused=geared, at_least=1, at_most=1000, &
+    call reader%get(group, 'shapes', self%shapes, error, tasks=group, not_allowed=geared, at_least=1, at_most=1000, &
                     meaning='modes from the lowest of all whose shapes are given')
-    call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, refused=geared, at_least=1, at_most=100, &
+    call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, not_allowed=geared, at_least=1, at_most=100, &
                     meaning='harmonics of the mesh frequency in the table body_campbell')
   end subroutine read_keys
 
@@ -74,7 +74,7 @@ contains
     integer :: i
 
     allocate (held, source=directions)
-    call reader%get(group, 'held', held, error, tasks=group, refused=geared, &
+    call reader%get(group, 'held', held, error, tasks=group, not_allowed=geared, &
                     allowed=[character(10) :: directions, 'nothing'], &
                     meaning='what the surface of the bore cannot do: all three on a shaft that holds it fast, ''radial'' and '// &
                     '''tangential'' on a hub along which it slides, ''nothing'' for a free gear')

@@ -5,8 +5,8 @@ module gearsweep_nonlinear_task_attractors
   use gearsweep_base, only: axis, claim_memory, code_memory, dp, error_t, fail, fixed, left, lines_t, no_number, right, str, table_t
   use gearsweep_motion, only: attractor_options_t, attractors_t, contact_name, contact_of, find_attractors, has_result, &
     largest_reached, mesh_period, start_states, status_ok, status_stopped
-  use gearsweep_study, only: add_rest, factor_in, most_rows, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
-    reader_t, runnable_t, stage, stages_t, task_info_t, words_of
+  use gearsweep_study, only: add_more_rows, factor_text, most_rows, of_estimate, of_factor, of_periods, of_relief, of_speed, &
+    of_status, reader_t, runnable_t, stage, stages_t, task_info_t, words_of
   implicit none
   private
   public :: attractors_task_t
@@ -28,7 +28,7 @@ contains
     info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
                                      stage%speeds], &
                        tables='attractors attractor_points basins', fields='', &
-                       gives='all attracting motions from spread starts, and which starts lead to which')
+                       summary='all attracting motions from spread starts, and which starts lead to which')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -47,8 +47,8 @@ contains
                     'velocities: those with which the natural motion has such amplitudes')
     call reader%get(group, 'most_periods', self%options%most_periods, error, tasks=group, at_least=1, at_most=64, &
                     meaning='mesh periods after which a motion that is looked for repeats, at most')
-    call reader%get(group, 'followed_periods', self%options%most_cycles, error, tasks=group, given=has_most, at_least=1, &
-                    at_most=10**7, otherwise='as many as decay to exp(-5) takes, 2000 to 100 000', &
+    call reader%get(group, 'followed_periods', self%options%most_cycles, error, tasks=group, is_stated=has_most, at_least=1, &
+                    at_most=10**7, default_note='as many as decay to exp(-5) takes, 2000 to 100 000', &
                     meaning='mesh periods that a start is followed at most until a motion has captured it')
   end subroutine read_keys
 
@@ -76,7 +76,7 @@ contains
       if (any(found(:, i)%lacks)) call fail(error, code_memory, '&attractors: the memory does not hold the motions')
       if (allocated(error) .or. any(found(:, i)%status == status_stopped)) return
       self%failed = self%failed + count(found(:, i)%status /= status_ok)
-      call stages%running%tell(size(rpm), stages%accuracy%steady%stop)
+      call stages%running%report_progress(size(rpm), stages%accuracy%steady%stop)
     end do
     associate (amount => stages%amount(which))
       call fill_motions(rpm, mesh_period(stages%motion(1)%mesh%teeth(1), rpm), amount, found, &
@@ -241,10 +241,10 @@ contains
         if (found%number('starts', i) <= 0) share = 'none'
         call lines%add(right(str(found%number('relief_um', i)), 12)//right(str(found%number('rpm', i), 6), 12)// &
                        right(str(nint(found%number('mesh_periods', i))), 10)// &
-                       factor_in(found%number('dynamic_factor', i))// &
+                       factor_text(found%number('dynamic_factor', i))// &
                        right(trim(share), 12)//'   '//trim(found%word('contact', i)))
       end do
-      call add_rest(found%rows, found%name, lines)
+      call add_more_rows(found%rows, found%name, lines)
       call lines%add(left('Several motions', 19)//'at '//str(count(points%numbers('motions') > 1))//' of '//str(points%rows)// &
                      ' operating points')
       i = count(points%numbers('unsettled_share') > 0)

@@ -3,7 +3,7 @@
 module gearsweep_nonlinear_task_branches
   use gearsweep_base, only: axis, code_input, dp, error_t, fail, left, lines_t, no_number, right, str, table_t
   use gearsweep_motion, only: attractor_options_t, contact_name, contact_of, mesh_period, oscillator_t, steady_t
-  use gearsweep_study, only: add_rest, case_variation_t, factor_in, most_rows, number_names, number_units, of_dte_range, &
+  use gearsweep_study, only: add_more_rows, case_variation_t, factor_text, most_rows, number_names, number_units, of_dte_range, &
     of_dte_rms, of_periods, of_relief, of_speed, reader_t, runnable_t, stage, stages_t, task_info_t, &
     vary_damping, vary_force, vary_relief, vary_rpm
   use gearsweep_nonlinear_branch, only: branch_point_t, end_names, follow_options_t
@@ -292,7 +292,7 @@ contains
 
     info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses], &
                        tables='branches branch_points branch_changes', fields='', &
-                       gives='whole branches of periodic motions, attracting or not, with folds, doubled periods and grazing')
+                       summary='whole branches of periodic motions, attracting or not, with folds, doubled periods and grazing')
   end subroutine describe
 
   !> With the relief as parameter, the reliefs of &relief are not used.
@@ -325,8 +325,8 @@ contains
                     meaning='where the range of the parameter begins; above 0 for rpm and load')
     call reader%get(group, 'last', self%range(2), error, required=.true., tasks=group, above=0.0_dp, at_most=far, &
                     meaning='where it ends')
-    call reader%get(group, 'rpm', self%rpm, error, unit='1/min', tasks=group, given=has_rpm, at_least=1e-6_dp, at_most=far, &
-                    otherwise='parameter = ''rpm'': none', meaning='speed where another number is the parameter')
+    call reader%get(group, 'rpm', self%rpm, error, unit='1/min', tasks=group, is_stated=has_rpm, at_least=1e-6_dp, at_most=far, &
+                    default_note='parameter = ''rpm'': none', meaning='speed where another number is the parameter')
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'most_periods', self%most_periods, error, tasks=group, at_least=1, at_most=64, &
                     meaning='mesh periods after which the motions repeat, at most')
@@ -396,7 +396,7 @@ contains
       if (allocated(error)) return
       call find_branches(found(i)%family, options, found(i)%branch, found(i)%unresolved, stopped, error)
       if (allocated(error) .or. stopped) return
-      call stages%running%tell(self%seeds, stages%accuracy%steady%stop)
+      call stages%running%report_progress(self%seeds, stages%accuracy%steady%stop)
     end do
     call fill_branches(found, self%tables(self%place('branches')), error)
     call fill_points(found, self%tables(self%place('branch_points')), error)
@@ -423,16 +423,16 @@ contains
         call lines%add(right(str(nint(branches%number('branch', i))), 10)// &
                        right(str(nint(branches%number('mesh_periods', i))), 10)// &
                        right(str(branches%number('least', i), 7), 14)//right(str(branches%number('largest', i), 7), 14)// &
-                       factor_in(branches%number('largest_dynamic_factor', i))//'     '// &
+                       factor_text(branches%number('largest_dynamic_factor', i))//'     '// &
                        trim(branches%word('first_end', i))//', '//trim(branches%word('last_end', i)))
       end do
-      call add_rest(branches%rows, branches%name, lines)
+      call add_more_rows(branches%rows, branches%name, lines)
       call lines%add('    branch   change at '//left(name, 19)//'DF')
       do i = 1, min(changes%rows, most_rows)
         call lines%add(right(str(nint(changes%number('branch', i))), 10)//'   '//left(trim(changes%word('kind', i)), 10)// &
-                       left(str(changes%number(name, i), 10), 15)//factor_in(changes%number('dynamic_factor', i)))
+                       left(str(changes%number(name, i), 10), 15)//factor_text(changes%number('dynamic_factor', i)))
       end do
-      call add_rest(changes%rows, changes%name, lines)
+      call add_more_rows(changes%rows, changes%name, lines)
     end associate
   end subroutine add_report
 end module gearsweep_nonlinear_task_branches

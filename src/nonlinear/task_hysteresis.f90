@@ -160,7 +160,7 @@ contains
     info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
                                      stage%speeds], &
       tables='hysteresis hysteresis_changes hysteresis_ramps hysteresis_delays', fields='', &
-      gives='the steady motions that a slow run up through the speeds and one down meet, and the speeds at which they change')
+      summary='the steady motions that a slow run up through the speeds and one down meet, and the speeds at which they change')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -176,7 +176,7 @@ contains
     call reader%get(group, 'closeness', self%closeness, error, tasks=group, at_least=1e-12_dp, at_most=1.0_dp, &
                     meaning='largest relative distance of the speeds before and after a change')
     call reader%get(group, 'ramp_rpm_s', self%rate, error, unit='1/min/s', tasks=group, above=0.0_dp, at_most=1e9_dp, &
-                    otherwise='none', meaning='rate of runs in which the speed changes at this rate, beside the slow ones')
+                    default_note='none', meaning='rate of runs in which the speed changes at this rate, beside the slow ones')
   end subroutine read_keys
 
   subroutine run(self, stages, error)
@@ -221,7 +221,7 @@ contains
             call fail(error, code_memory, '&hysteresis ramp_rpm_s: the memory does not hold the steps')
           if (allocated(error)) return
         end do
-        call stages%running%tell(n, stages%accuracy%steady%stop)
+        call stages%running%report_progress(n, stages%accuracy%steady%stop)
       end do
     end associate
     relief = stages%amount(which)

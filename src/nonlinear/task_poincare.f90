@@ -26,7 +26,7 @@ contains
 
     info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%speeds], &
                        tables='poincare lyapunov', fields='', &
-                       gives='the motion seen once a mesh period, and its largest Lyapunov exponent')
+                       summary='the motion seen once a mesh period, and its largest Lyapunov exponent')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -45,10 +45,11 @@ contains
                     meaning='mesh periods passed over at each speed')
     call reader%get(group, 'kept_periods', self%kept, error, tasks=group, at_least=1, at_most=10**7, &
                     meaning='mesh periods kept after them')
-    call reader%get(group, 'start_um', self%start(1), error, unit='um', given=has(1), tasks=group, at_least=-far, at_most=far, &
-                    otherwise=at_rest, meaning='dynamic transmission error to begin with, as of a motion in the table hysteresis')
-    call reader%get(group, 'start_mm_s', self%start(2), error, unit='mm/s', given=has(2), tasks=group, at_least=-far, &
-                    at_most=far, otherwise=at_rest, meaning='rate of the dynamic transmission error to begin with')
+    call reader%get(group, 'start_um', self%start(1), error, unit='um', is_stated=has(1), tasks=group, at_least=-far, at_most=far, &
+                    default_note=at_rest, &
+                    meaning='dynamic transmission error to begin with, as of a motion in the table hysteresis')
+    call reader%get(group, 'start_mm_s', self%start(2), error, unit='mm/s', is_stated=has(2), tasks=group, at_least=-far, &
+                    at_most=far, default_note=at_rest, meaning='rate of the dynamic transmission error to begin with')
     self%at_rest = .not. any(has)
     if (has(1) .neqv. has(2)) call fail(error, code_input, '&poincare start_um, start_mm_s: give both or neither')
   end subroutine read_keys
@@ -81,7 +82,7 @@ contains
       if (allocated(error) .or. any(section(i)%status == status_stopped)) return
       self%failed = self%failed + count(section(i)%status == status_unresolved .or. section(i)%status == status_chatter .or. &
                                          section(i)%status == status_unbounded)
-      call stages%running%tell(size(rpm), stages%accuracy%steady%stop)
+      call stages%running%report_progress(size(rpm), stages%accuracy%steady%stop)
     end do
     call fill_points(rpm, relief, section, self%tables(self%place('poincare')), error)
     call fill_exponents(rpm, relief, section, self%tables(self%place('lyapunov')), error)

@@ -4,7 +4,7 @@ module gearsweep_nonlinear_task_sensitivity
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_base, only: axis, code_memory, dp, error_t, fail, left, lines_t, no_number, right, str, table_t, wants_stop
   use gearsweep_motion, only: has_result, levels_t, mesh_period, oscillator_t, point_t, solve_point
-  use gearsweep_study, only: add_rest, case_variation_t, most_rows, motions_inputs_t, number_names, number_units, of_factor, &
+  use gearsweep_study, only: add_more_rows, case_variation_t, most_rows, motions_inputs_t, number_names, number_units, of_factor, &
     of_relief, of_speed, reader_t, relief_start, runnable_t, stage, stages_t, task_info_t, vary_amount, vary_backlash, &
     vary_damping, vary_force, vary_friction, vary_mass, vary_profile, vary_rpm, vary_start, vary_stiffness
   use gearsweep_nonlinear_sensitivity, only: differentiable_t, differentiate_motion, differentiate_static, prepare_motion, &
@@ -129,7 +129,7 @@ contains
 
     info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy], &
                        tables='sensitivity dte_sensitivity ste_sensitivity', fields='', &
-                       gives='derivatives of dynamic factor and transmission error by each number of the motion')
+                       summary='derivatives of dynamic factor and transmission error by each number of the motion')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -170,7 +170,7 @@ contains
         if (wants_stop(stages%accuracy%steady%stop)) return
         call add_motion(self, stages, which(i), self%own_rpm(k), rows, error)
         if (allocated(error)) return
-        call stages%running%tell(1, stages%accuracy%steady%stop)
+        call stages%running%report_progress(1, stages%accuracy%steady%stop)
       end do
     end do
     call fill_factors(rows, self%tables(self%place('sensitivity')), error)
@@ -292,7 +292,7 @@ contains
           call lines%add(right(str(table%number('relative_slope', i), 4), 11))
         end if
       end do
-      call add_rest(table%rows, table%name, lines)
+      call add_more_rows(table%rows, table%name, lines)
     end associate
   end subroutine add_report
 

@@ -29,7 +29,7 @@ contains
     type(task_info_t), intent(out) :: info
 
     info = task_info_t(group, needs=[stage%mesh, stage%motion, stage%speeds], tables='stability tongues tongue_edges', fields='', &
-      gives='Floquet multipliers of the motion with all pairs in contact over speed and damping, and its tongues of instability')
+      summary='Floquet multipliers of the motion with all pairs in contact over speed and damping, and its tongues of instability')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -48,7 +48,7 @@ contains
                     meaning='how many damping ratios the map has, in equal steps')
     call reader%get(group, 'tongues', self%tongues, error, tasks=group, at_least=0, at_most=100, &
                     meaning='how many tongues of instability to find, from the highest speed on')
-    if (reader%wants(group) .and. self%damping_last <= self%damping_first) call fail(error, code_input, &
+    if (reader%requests(group) .and. self%damping_last <= self%damping_first) call fail(error, code_input, &
       '&stability damping_last = '//str(self%damping_last)//': does not lie above damping_first = '//str(self%damping_first))
   end subroutine read_keys
 

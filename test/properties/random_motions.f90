@@ -115,7 +115,7 @@ contains
       '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 1000 rpm_last = 1000 rpm_step = 1 /'
     call read_case(trim(text), case, error)
     if (allocated(error)) error stop 'random motion'
-    call case%want(['mesh'])
+    call case%request(['mesh'])
     call run_study(case, '', 1, study, error)
     if (allocated(error)) error stop 'random motion'
     osc = study%motion(1)

@@ -27,7 +27,7 @@ contains
 
     parts = ''
     do i = 1, size(before%tasks)
-      if (after%tasks(i)%is_wanted) call add('keys', before%tasks(i)%given /= after%tasks(i)%given)
+      if (after%tasks(i)%is_requested) call add('keys', before%tasks(i)%key_text /= after%tasks(i)%key_text)
     end do
     call add('gear', before%gear /= after%gear)
     if (allocated(before%pair)) then

@@ -6,7 +6,7 @@ module gearsweep_study_case_case
   use gearsweep_mesh, only: iso_options_t
   use gearsweep_motion, only: accuracy_t, both
   use gearsweep_study_case_task, only: sentence_of, stage, task_slot_t
-  use gearsweep_study_reader_reader, only: sentence_length, unless
+  use gearsweep_study_reader_reader, only: sentence_length, text_unless
   implicit none
   private
   public :: case_t, for_iso, for_stage, speed_count, speeds
@@ -60,46 +60,46 @@ module gearsweep_study_case_case
     character(:), allocatable :: unused
     character(:), allocatable :: cautions        !< numbers that are likely in another unit, a line each
   contains
-    procedure :: want
-    procedure :: asks
-    procedure :: relieves
+    procedure :: request
+    procedure :: requests
+    procedure :: has_relief
     procedure :: needs
     procedure :: tasks_for
     procedure :: needs_elements
     procedure :: stiffness_body
     procedure :: models_teeth
-    procedure :: touches_beyond
-    procedure :: weighs
+    procedure :: has_corner_contact
+    procedure :: computes_mass
   end type case_t
 
 contains
 
   !> Requests these tasks and no others.
-  subroutine want(self, tasks)
+  subroutine request(self, tasks)
     class(case_t), intent(inout) :: self
     character(*), intent(in) :: tasks(:)
     integer :: i
 
     do i = 1, size(self%tasks)
-      self%tasks(i)%is_wanted = any(tasks == self%tasks(i)%info%name)
+      self%tasks(i)%is_requested = any(tasks == self%tasks(i)%info%name)
     end do
-  end subroutine want
+  end subroutine request
 
   !> True if the case requests this task.
-  pure logical function asks(self, task)
+  pure logical function requests(self, task)
     class(case_t), intent(in) :: self
     character(*), intent(in) :: task
     integer :: i
 
-    asks = any([(self%tasks(i)%is_wanted .and. self%tasks(i)%info%name == task, i=1, size(self%tasks))])
-  end function asks
+    requests = any([(self%tasks(i)%is_requested .and. self%tasks(i)%info%name == task, i=1, size(self%tasks))])
+  end function requests
 
   !> True if reliefs have an effect: an amount is above 0, or a task varies the amount.
-  pure logical function relieves(self)
+  pure logical function has_relief(self)
     class(case_t), intent(in) :: self
 
-    relieves = any(self%amount > 0) .or. self%asks('optimum') .or. self%asks('deflection_relief')
-  end function relieves
+    has_relief = any(self%amount > 0) .or. self%requests('optimum') .or. self%requests('deflection_relief')
+  end function has_relief
 
   !> True if one of the case's tasks needs this stage.
   pure logical function needs(self, which)
@@ -107,7 +107,7 @@ contains
     integer, intent(in) :: which                 !< index of the stage in `stage`
     integer :: i
 
-    needs = any([(self%tasks(i)%takes(which), i=1, size(self%tasks))])
+    needs = any([(self%tasks(i)%needs(which), i=1, size(self%tasks))])
   end function needs
 
   !> Lists all tasks that need this stage, requested or not, as in `load, sweep or optimum`.
@@ -125,7 +125,7 @@ contains
     integer, intent(in) :: which                 !< index of the stage in `stage`
     character(sentence_length) :: what
 
-    what = unless(case%needs(which), trim(case%tasks_for(which)))
+    what = text_unless(case%needs(which), trim(case%tasks_for(which)))
   end function for_stage
 
   !> What a key of ISO 6336 lacks: tasks that need this stage, or a stiffness by ISO 6336.
@@ -134,7 +134,7 @@ contains
     integer, intent(in) :: which                 !< index of the stage in `stage`
     character(sentence_length) :: what
 
-    what = unless(case%needs(which) .or. case%needs(stage%mesh) .and. case%model == 'iso6336', &
+    what = text_unless(case%needs(which) .or. case%needs(stage%mesh) .and. case%model == 'iso6336', &
                   trim(case%tasks_for(which))//' or a stiffness by iso6336')
   end function for_iso
 
@@ -168,19 +168,19 @@ contains
   end function models_teeth
 
   !> True if a pair may be in contact before A and after E too.
-  pure logical function touches_beyond(self)
+  pure logical function has_corner_contact(self)
     class(case_t), intent(in) :: self
 
-    touches_beyond = self%corner_contact .and. self%models_teeth()
-  end function touches_beyond
+    has_corner_contact = self%corner_contact .and. self%models_teeth()
+  end function has_corner_contact
 
   !> True if a gear's mass is computed from its body, as neither mass nor inertia is stated.
-  pure logical function weighs(self, gear)
+  pure logical function computes_mass(self, gear)
     class(case_t), intent(in) :: self
     integer, intent(in) :: gear
 
-    weighs = self%needs(stage%mesh) .and. .not. (self%mass(gear) > 0 .or. self%inertia(gear) > 0)
-  end function weighs
+    computes_mass = self%needs(stage%mesh) .and. .not. (self%mass(gear) > 0 .or. self%inertia(gear) > 0)
+  end function computes_mass
 
   !> Number of speeds of the sweep.
   pure integer function speed_count(case)

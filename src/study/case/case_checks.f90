@@ -22,7 +22,7 @@ contains
     if (given > 1 .or. (given == 0 .and. case%needs(stage%mesh))) call fail(error, code_input, &
       '&load: give one of torque_nm (on the pinion), torques_nm, normal_force_n and line_load_n_mm; '//str(given)//' are given')
     if (allocated(case%torques)) then
-      if (size(case%torques) > 1 .and. case%needs(stage%mesh) .and. .not. case%asks('optimum')) call fail(error, code_input, &
+      if (size(case%torques) > 1 .and. case%needs(stage%mesh) .and. .not. case%requests('optimum')) call fail(error, code_input, &
         '&load torques_nm: only the task optimum uses several torques; without it give torque_nm = '//str(case%torque))
     end if
     do i = 1, 2
@@ -44,7 +44,7 @@ contains
         '&sweep rpm_step = '//str(case%rpm_step)//': more than '//str(most_points)//' operating points')
     end if
     do i = 1, size(case%tasks)
-      if (case%tasks(i)%is_wanted) call case%tasks(i)%task%check( &
+      if (case%tasks(i)%is_requested) call case%tasks(i)%task%check( &
         case_facts_t(case%amount, case%spec, case%accuracy%scheme, torques), error)
     end do
   end subroutine check_case

@@ -7,7 +7,7 @@ module gearsweep_study_case_gear_keys
   use gearsweep_elastic, only: material_t
   use gearsweep_study_case_case, only: case_t, for_iso, for_stage
   use gearsweep_study_case_task, only: sentence_of, stage
-  use gearsweep_study_reader_reader, only: first_of, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, needs_gears, reader_t, sentence_length, text_unless
   implicit none
   private
   public :: read_materials, read_section, read_pair, read_gear, read_direction
@@ -30,25 +30,26 @@ contains
       'that depends on it', &
       'modal, precision, flank, transient, harmonic, body_modes or a mass that is not stated']
     logical :: counts(3, 2), own(3, 2)
-    character(sentence_length) :: geared, lacks(3)
+    character(sentence_length) :: geared, unused_without(3)
     type(material_t) :: common
     integer :: i
 
     if (allocated(error)) return
-    geared = unless(.not. case%prescribed, needs_gears)
+    geared = text_unless(.not. case%prescribed, needs_gears)
     do i = 1, 2
       counts(:, i) = uses_of(case, i)
-      lacks = ''
-      where (.not. counts(:, i)) lacks = 'a stiffness or mass that depends on it, or a task that takes this gear (&section gear)'
+      unused_without = ''
+      where (.not. counts(:, &
+        i)) unused_without = 'a stiffness or mass that depends on it, or a task that takes this gear (&section gear)'
       case%material(i) = not_given
-      call read_group(reader, trim(case%spec(i)%name), lacks, geared, case%material(i), error)
+      call read_group(reader, trim(case%spec(i)%name), unused_without, geared, case%material(i), error)
       own(:, i) = [case%material(i)%young > 0, case%material(i)%poisson >= 0, case%material(i)%density > 0]
     end do
     do i = 1, 3
-      lacks(i) = first_of(unless(any(counts(i, :)), users(i)), &
-                          unless(any(counts(i, :) .and. .not. own(i, :)), 'a gear without its own'))
+      unused_without(i) = first_nonblank(text_unless(any(counts(i, :)), users(i)), &
+                          text_unless(any(counts(i, :) .and. .not. own(i, :)), 'a gear without its own'))
     end do
-    call read_group(reader, 'material', lacks, geared, common, error)
+    call read_group(reader, 'material', unused_without, geared, common, error)
     do i = 1, 2
       if (.not. own(young, i)) case%material(i)%young = common%young
       if (.not. own(poisson, i)) case%material(i)%poisson = common%poisson
@@ -64,34 +65,34 @@ contains
 
     deflects = case%needs(stage%mesh) .and. case%models_teeth()
     ! Printed values may be those of a tooth as a beam.
-    vibrates = case%asks('modal') .or. case%asks('precision') .or. case%asks('transient') .or. &
-               case%asks('harmonic') .or. case%needs(stage%solid) .or. allocated(case%published)
+    vibrates = case%requests('modal') .or. case%requests('precision') .or. case%requests('transient') .or. &
+               case%requests('harmonic') .or. case%needs(stage%solid) .or. allocated(case%published)
     vibrates = vibrates .and. gear == case%gear
     touches = case%needs(stage%elasticity)
     uses(young) = deflects .or. vibrates .or. touches
     uses(poisson) = (deflects .and. case%model /= 'iso6336') .or. touches .or. &
                     ((case%needs(stage%body) .or. case%needs(stage%solid)) .and. gear == case%gear)
-    uses(density) = case%weighs(gear) .or. vibrates .or. case%needs(stage%density)
+    uses(density) = case%computes_mass(gear) .or. vibrates .or. case%needs(stage%density)
   end function uses_of
 
   !> Reads the keys of one group; for a single gear without defaults.
-  subroutine read_group(reader, group, lacks, geared, material, error)
+  subroutine read_group(reader, group, unused_without, geared, material, error)
     type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: group, lacks(:), geared
+    character(*), intent(in) :: group, unused_without(:), geared
     type(material_t), intent(inout) :: material
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: common          !< not allocated: not stated
 
     if (group /= 'material') common = 'that of &material'
     call reader%get(group, 'young_gpa', material%young, error, unit='GPa', at_least=1e-3_dp, at_most=1e4_dp, &
-                    lacks=lacks(young), refused=geared, otherwise=common, &
+                    unused_without=unused_without(young), not_allowed=geared, default_note=common, &
                     meaning='Young''s modulus, for a stiffness that is computed, natural modes and contact pressure; root '// &
                     'stress depends on it only in how pairs share the load')
-    call reader%get(group, 'poisson', material%poisson, error, at_least=0.0_dp, below=0.5_dp, lacks=lacks(poisson), &
-                    refused=geared, otherwise=common, &
+    call reader%get(group, 'poisson', material%poisson, error, at_least=0.0_dp, below=0.5_dp, &
+                    unused_without=unused_without(poisson), not_allowed=geared, default_note=common, &
                     meaning='Poisson''s ratio, for a stiffness by fe or weber, root stress, natural modes and contact pressure')
     call reader%get(group, 'density_kgm3', material%density, error, unit='kg/m^3', at_least=1.0_dp, at_most=1e5_dp, &
-                    lacks=lacks(density), refused=geared, otherwise=common, &
+                    unused_without=unused_without(density), not_allowed=geared, default_note=common, &
                     meaning='density, for natural modes, flash temperature and gears with neither mass nor inertia given')
   end subroutine read_group
 
@@ -104,57 +105,57 @@ contains
     character(:), allocatable :: fixed(:), plane, gear
 
     if (allocated(error)) return
-    geared = unless(.not. case%prescribed, needs_gears)
+    geared = text_unless(.not. case%prescribed, needs_gears)
     with_body = sentence_of(case%tasks, stage%section, other=stage%mesh)
     with_support = 'modal, '//case%tasks_for(stage%mesh)
-    shape = unless(case%needs(stage%section) .or. case%needs_elements(), &
+    shape = text_unless(case%needs(stage%section) .or. case%needs_elements(), &
                    'static, modal, precision, transient, harmonic or a stiffness by elements')
     ! The task precision has a grid refinement of its own.
-    fineness = unless(case%asks('static') .or. case%asks('modal') .or. &
-                      case%asks('transient') .or. case%asks('harmonic') .or. case%needs_elements(), &
+    fineness = text_unless(case%requests('static') .or. case%requests('modal') .or. &
+                      case%requests('transient') .or. case%requests('harmonic') .or. case%needs_elements(), &
                       'static, modal, transient, harmonic or a stiffness by elements')
-    support = unless(case%needs(stage%body) .or. case%needs_elements(), &
+    support = text_unless(case%needs(stage%body) .or. case%needs_elements(), &
                      'static, modal, precision, transient, harmonic or a stiffness by elements')
     ! Printed values may be those of a tooth of this gear.
-    looks = unless(case%needs(stage%section) .or. case%needs(stage%solid) .or. allocated(case%published), &
+    looks = text_unless(case%needs(stage%section) .or. case%needs(stage%solid) .or. allocated(case%published), &
                    'static, modal, precision, transient, harmonic or body_modes')
     associate (section => case%section)
       section%elements_across = 16
       section%others_across = 0
-      call reader%get('section', 'teeth', section%teeth, error, tasks=with_body, lacks=shape, refused=geared, &
-                      at_least=0, at_most=100000, given=case%has_extent, &
-                      otherwise='3; without fixed, the pair stiffness is that of the whole gear', &
+      call reader%get('section', 'teeth', section%teeth, error, tasks=with_body, unused_without=shape, not_allowed=geared, &
+                      at_least=0, at_most=100000, is_stated=case%has_extent, &
+                      default_note='3; without fixed, the pair stiffness is that of the whole gear', &
                       meaning='teeth in the section, the middle one (of an even number, the left one of the two) loaded; '// &
                       '0, or as many as the gear has without half_angle_deg, for the whole gear')
-      call reader%get('section', 'half_angle_deg', section%half_angle, error, unit='deg', tasks=with_body, lacks=shape, &
-                      refused=geared, above=0.0_dp, below=180.0_dp, otherwise='to the middle of the outer spaces', &
+      call reader%get('section', 'half_angle_deg', section%half_angle, error, unit='deg', tasks=with_body, unused_without=shape, &
+                      not_allowed=geared, above=0.0_dp, below=180.0_dp, default_note='to the middle of the outer spaces', &
                       meaning='angle from the section''s axis to either of its cut sides, which must lie between the fillets '// &
                       'of the outer teeth and the next teeth')
-      call reader%get('section', 'rim_mm', section%rim, error, unit='mm', tasks=with_body, lacks=shape, refused=geared, &
-                      above=0.0_dp, otherwise='down to the bore, or 2.5 tooth heights', &
+      call reader%get('section', 'rim_mm', section%rim, error, unit='mm', tasks=with_body, unused_without=shape, &
+                      not_allowed=geared, above=0.0_dp, default_note='down to the bore, or 2.5 tooth heights', &
                       meaning='thickness of the body below the root circle; it must leave room to the bore; without it and '// &
                       'fixed, the pair stiffness of a gear with a web takes its rim_thickness_mm, free inside')
-      call reader%get('section', 'elements_across', section%elements_across, error, tasks=with_body, lacks=fineness, &
-                      refused=geared, at_least=3, at_most=200, &
+      call reader%get('section', 'elements_across', section%elements_across, error, tasks=with_body, unused_without=fineness, &
+                      not_allowed=geared, at_least=3, at_most=200, &
                       meaning='finite elements across the loaded tooth, which all else follows')
       allocate (fixed, source=[character(5) :: 'sides', 'rim'])
-      call reader%get('section', 'fixed', fixed, error, tasks=with_support, lacks=support, refused=geared, &
+      call reader%get('section', 'fixed', fixed, error, tasks=with_support, unused_without=support, not_allowed=geared, &
                       allowed=[character(5) :: 'sides', 'rim'], &
-                      given=case%has_support, &
-                      otherwise='sides and rim; without teeth, a whole gear''s pair stiffness is held at the bore', &
+                      is_stated=case%has_support, &
+                      default_note='sides and rim; without teeth, a whole gear''s pair stiffness is held at the bore', &
                       meaning='what is held: the two cut sides, the inner edge; a whole gear has no sides, so its inner '// &
                       'edge must be held')
       case%has_extent = case%has_extent .or. reader%has('section', 'half_angle_deg')
       section%fixed_sides = any(fixed == 'sides')
       section%fixed_rim = any(fixed == 'rim')
       plane = 'strain'
-      call reader%get('section', 'plane', plane, error, tasks=with_support, lacks=support, refused=geared, &
+      call reader%get('section', 'plane', plane, error, tasks=with_support, unused_without=support, not_allowed=geared, &
                       allowed=[character(6) :: 'stress', 'strain'], &
                       meaning='plane strain suits a wide gear, plane stress a thin one')
       section%plane_strain = plane == 'strain'
     end associate
     gear = 'pinion'
-    call reader%get('section', 'gear', gear, error, lacks=looks, refused=geared, &
+    call reader%get('section', 'gear', gear, error, unused_without=looks, not_allowed=geared, &
                     allowed=[character(6) :: 'pinion', 'gear'], &
                     meaning='the gear whose section the tasks static, modal, precision, transient and harmonic take, '// &
                     'and whose body body_modes')
@@ -176,38 +177,40 @@ contains
     inclined = case%friction > 0 .or. (reader%has('pair', 'backlash_um') .and. &
                                        (reader%has('deviations', 'pinion_runout_um') .or. &
                                         reader%has('deviations', 'gear_runout_um')))
-    geared = unless(cut, needs_gears)
+    geared = text_unless(cut, needs_gears)
     slides = ''
     if (case%prescribed) slides = for_stage(case, stage%motion)
     module = 0
     width = 0
     drive_angle = 20*degree
-    call reader%get('pair', 'module_mm', module, error, unit='mm', required=.true., refused=geared, &
+    call reader%get('pair', 'module_mm', module, error, unit='mm', required=.true., not_allowed=geared, &
                     at_least=0.05_dp, at_most=1000.0_dp, meaning='normal module')
-    call reader%get('pair', 'face_width_mm', width, error, unit='mm', required=cut, refused=unless(cut .or. case%line_load > 0, &
+    call reader%get('pair', 'face_width_mm', width, error, unit='mm', required=cut, not_allowed=text_unless(cut .or. &
+                    case%line_load > 0, &
                     'a prescribed mesh uses it with line_load_n_mm only; remove it'), at_least=0.005_dp, at_most=1e5_dp, &
                     meaning='common face width of the two gears, at least a tenth of the module')
-    call reader%get('pair', 'pressure_angle_deg', drive_angle, error, unit='deg', lacks=slides, &
-                    refused=unless(cut .or. inclined, 'a prescribed mesh uses it with friction, or with run-out and backlash, '// &
+    call reader%get('pair', 'pressure_angle_deg', drive_angle, error, unit='deg', unused_without=slides, &
+                    not_allowed=text_unless(cut .or. inclined, &
+                    'a prescribed mesh uses it with friction, or with run-out and backlash, '// &
                                    'only; remove it'), above=3.0_dp, below=45.0_dp, &
                     meaning='pressure angle of the rack on the drive flanks; of a prescribed mesh with friction, or with '// &
                     'run-out and backlash, the working pressure angle')
     coast_angle = drive_angle
-    call reader%get('pair', 'coast_angle_deg', coast_angle, error, unit='deg', refused=geared, above=3.0_dp, below=45.0_dp, &
-                    otherwise='as pressure_angle_deg', &
+    call reader%get('pair', 'coast_angle_deg', coast_angle, error, unit='deg', not_allowed=geared, above=3.0_dp, below=45.0_dp, &
+                    default_note='as pressure_angle_deg', &
                     meaning='pressure angle of the rack on the coast flanks, for asymmetric teeth')
-    call reader%get('pair', 'centre_distance_mm', case%centre_distance, error, unit='mm', refused=geared, above=0.0_dp, &
-                    otherwise='without backlash', &
+    call reader%get('pair', 'centre_distance_mm', case%centre_distance, error, unit='mm', not_allowed=geared, above=0.0_dp, &
+                    default_note='without backlash', &
                     meaning='working centre distance, at least the one without backlash')
-    call reader%get('pair', 'tip_alteration', case%tip_alteration, error, refused=geared, &
+    call reader%get('pair', 'tip_alteration', case%tip_alteration, error, not_allowed=geared, &
                     meaning='shortens the tips so that the rack''s bottom clearance is kept at this centre distance '// &
                     '(ISO 21771); never lengthens them')
-    call reader%get('pair', 'shorten_path', case%shorten_path, error, refused=geared, &
+    call reader%get('pair', 'shorten_path', case%shorten_path, error, not_allowed=geared, &
                     meaning='where undercut takes flank that the partner''s tip would work on, ends the path of contact '// &
                     'where the involute ends; without it such gears are refused')
-    call reader%get('pair', 'backlash_um', case%backlash, error, unit='um', given=case%has_backlash, &
-                    tasks=unless(cut, trim(case%tasks_for(stage%losses))), at_least=0.0_dp, at_most=1e9_dp, &
-                    otherwise='where a gear has a thickness allowance, what follows from it; else the coast flanks never '// &
+    call reader%get('pair', 'backlash_um', case%backlash, error, unit='um', is_stated=case%has_backlash, &
+                    tasks=text_unless(cut, trim(case%tasks_for(stage%losses))), at_least=0.0_dp, at_most=1e9_dp, &
+                    default_note='where a gear has a thickness allowance, what follows from it; else the coast flanks never '// &
                     'touch', &
                     meaning='backlash along the line of action: the coast flanks touch once the drive flanks are this far '// &
                     'apart')
@@ -224,59 +227,60 @@ contains
     integer, intent(in) :: gear
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(sentence_length) :: geared, lacks
+    character(sentence_length) :: geared, unused_without
     logical :: cut, rolls
     real(dp), parameter :: largest = 2
 
     cut = .not. case%prescribed
-    geared = unless(cut, needs_gears)
+    geared = text_unless(cut, needs_gears)
     call reader%get(group, 'effective_mass_kg', case%mass(gear), error, unit='kg', tasks=case%tasks_for(stage%mesh), &
-                    at_least=1e-12_dp, at_most=1e12_dp, otherwise='that of a solid disc, or of rim and web', &
+                    at_least=1e-12_dp, at_most=1e12_dp, default_note='that of a solid disc, or of rim and web', &
                     meaning='mass on the line of action: moment of inertia over the square of the base radius')
     call reader%get(group, 'inertia_kgm2', case%inertia(gear), error, unit='kg m^2', tasks=case%tasks_for(stage%mesh), &
-                    at_least=1e-15_dp, at_most=1e15_dp, otherwise='that of a solid disc, or of rim and web', &
+                    at_least=1e-15_dp, at_most=1e15_dp, default_note='that of a solid disc, or of rim and web', &
                     meaning='polar moment of inertia, instead of the effective mass')
     call reader%get(group, 'hub_inertia_kgm2', case%hub_inertia(gear), error, unit='kg m^2', tasks=case%tasks_for(stage%mesh), &
-                    at_least=0.0_dp, at_most=1e15_dp, refused=geared, &
+                    at_least=0.0_dp, at_most=1e15_dp, not_allowed=geared, &
                     meaning='polar moment of inertia of what turns with the bore (shaft, coupling, motor), beside the gear''s '// &
                     'own; the body of a whole gear of finite elements turns between the two')
     rolls = cut .or. gear == 1 .or. case%inertia(gear) > 0
     associate (spec => case%spec(gear))
       spec%name = group
-      lacks = ''
-      if (.not. rolls) lacks = first_of(for_stage(case, stage%motion), &
-                                        unless(case%friction > 0 .or. case%asks('as_built'), 'friction or as_built'))
-      call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. gear == 1, lacks=lacks, &
-                      refused=unless(rolls .or. case%friction > 0 .or. reader%has_group('deviations') .or. case%asks('as_built'), &
+      unused_without = ''
+      if (.not. rolls) unused_without = first_nonblank(for_stage(case, stage%motion), &
+                                        text_unless(case%friction > 0 .or. case%requests('as_built'), 'friction or as_built'))
+      call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. gear == 1, unused_without=unused_without, &
+                      not_allowed=text_unless(rolls .or. case%friction > 0 .or. reader%has_group('deviations') .or. &
+                      case%requests('as_built'), &
                       'a prescribed mesh uses it with friction, inertia_kgm2, &deviations or the task as_built only; remove it'), &
                       at_least=5, at_most=100000, &
                       meaning='number of teeth')
-      call reader%get(group, 'profile_shift', spec%profile_shift, error, refused=geared, above=-5.0_dp, below=5.0_dp, &
+      call reader%get(group, 'profile_shift', spec%profile_shift, error, not_allowed=geared, above=-5.0_dp, below=5.0_dp, &
                       meaning='profile shift coefficient x: the rack is moved outwards by x modules')
       call read_allowance(reader, group, spec, case%has_allowance, geared, error)
       call read_tip(reader, group, spec, case%tip_alteration, geared, error)
-      call reader%get(group, 'dedendum', spec%dedendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp, &
+      call reader%get(group, 'dedendum', spec%dedendum, error, not_allowed=geared, above=0.0_dp, at_most=5.0_dp, &
                       meaning='dedendum of the rack in modules, h_fP*')
-      call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius(drive), error, refused=geared, at_least=0.0_dp, &
+      call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius(drive), error, not_allowed=geared, at_least=0.0_dp, &
                       at_most=largest, meaning='radius of the rack''s tips in modules, rho_fP*; it must leave a tip land')
       spec%rack_tip_radius(coast) = spec%rack_tip_radius(drive)
-      call reader%get(group, 'coast_rack_tip_radius', spec%rack_tip_radius(coast), error, refused=geared, at_least=0.0_dp, &
-                      at_most=largest, otherwise='as rack_tip_radius', &
+      call reader%get(group, 'coast_rack_tip_radius', spec%rack_tip_radius(coast), error, not_allowed=geared, at_least=0.0_dp, &
+                      at_most=largest, default_note='as rack_tip_radius', &
                       meaning='radius of the rack''s tip that cuts the fillets of the coast flanks, for asymmetric teeth')
-      call reader%get(group, 'protuberance_mm', spec%protuberance, error, unit='mm', refused=geared, at_least=0.0_dp, &
+      call reader%get(group, 'protuberance_mm', spec%protuberance, error, unit='mm', not_allowed=geared, at_least=0.0_dp, &
                       meaning='by how much the rounded tips of the tool that cuts the fillets stand out of its flanks, pr; at '// &
                       'least grinding_stock_mm')
-      call reader%get(group, 'grinding_stock_mm', spec%grinding_stock, error, unit='mm', refused=geared, at_least=0.0_dp, &
+      call reader%get(group, 'grinding_stock_mm', spec%grinding_stock, error, unit='mm', not_allowed=geared, at_least=0.0_dp, &
                       meaning='stock that this tool leaves on each flank, normal to it, and that is ground off without '// &
                       'reaching the fillets, q')
-      call reader%get(group, 'pin_diameter_mm', spec%pin_diameter, error, unit='mm', refused=geared, above=0.0_dp, &
-                      otherwise='one that touches at or near the V circle', &
+      call reader%get(group, 'pin_diameter_mm', spec%pin_diameter, error, unit='mm', not_allowed=geared, above=0.0_dp, &
+                      default_note='one that touches at or near the V circle', &
                       meaning='diameter of the pins over which the gear is measured; equal pressure angles only')
       call read_web(reader, group, gear, case, geared, error)
-      call reader%get(group, 'bore_mm', spec%bore_radius, error, unit='mm', factor=0.5_dp, refused=geared, &
-                      lacks=without_bore(case, gear), at_least=0.0_dp, &
+      call reader%get(group, 'bore_mm', spec%bore_radius, error, unit='mm', factor=0.5_dp, not_allowed=geared, &
+                      unused_without=without_bore(case, gear), at_least=0.0_dp, &
                       required=case%needs(stage%solid) .and. gear == case%gear, &
-                      otherwise='none; required by the task body_modes', &
+                      default_note='none; required by the task body_modes', &
                       meaning='bore diameter, below the root diameter; it ends the section where rim_mm is not given, and '// &
                       'the body of the task body_modes, and takes its part off the mass of a solid disc')
     end associate
@@ -297,9 +301,10 @@ contains
       are_alike = are_alike .and. abs(case%spec(i)%rack_tip_radius(drive) - case%spec(i)%rack_tip_radius(coast)) <= 0
     end do
     flanks = 'drive'
-    call reader%get('pair', 'loaded_flanks', flanks, error, allowed=[character(5) :: 'drive', 'coast'], otherwise='drive', &
-                    refused=first_of(unless(.not. case%prescribed, needs_gears), &
-                                     unless(.not. are_alike, 'is for asymmetric teeth, and these flanks are alike; remove it')), &
+    call reader%get('pair', 'loaded_flanks', flanks, error, allowed=[character(5) :: 'drive', 'coast'], default_note='drive', &
+                    not_allowed=first_nonblank(text_unless(.not. case%prescribed, needs_gears), &
+                                     text_unless(.not. are_alike, &
+                                     'is for asymmetric teeth, and these flanks are alike; remove it')), &
                     meaning='the flanks that carry the load: drive, those of pressure_angle_deg, or coast, those of '// &
                     'coast_angle_deg, which are then the drive flanks of all results: the other direction of rotation, of '// &
                     'asymmetric teeth')
@@ -321,21 +326,22 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     logical :: has_diameter, given(3)
 
-    call reader%get(group, 'tip_diameter_mm', spec%tip_diameter, error, unit='mm', given=has_diameter, above=0.0_dp, &
-                    refused=first_of(geared, unless(.not. is_altered, 'does not go with &pair tip_alteration; remove one')), &
-                    otherwise='from addendum, profile shift and tip alteration', &
+    call reader%get(group, 'tip_diameter_mm', spec%tip_diameter, error, unit='mm', is_stated=has_diameter, above=0.0_dp, &
+                    not_allowed=first_nonblank(geared, text_unless(.not. is_altered, &
+                    'does not go with &pair tip_alteration; remove one')), &
+                    default_note='from addendum, profile shift and tip alteration', &
                     meaning='tip diameter d_a, instead of the addendum')
     call reader%get(group, 'addendum', spec%addendum, error, above=0.0_dp, at_most=5.0_dp, &
-                    refused=first_of(geared, unless(.not. has_diameter, 'does not go with tip_diameter_mm; remove one')), &
-                    meaning='addendum of the rack in modules, h_aP*')
-    call reader%get(group, 'tip_chamfer_mm', spec%tip_chamfer, error, unit='mm', given=given(1), refused=geared, &
-                    at_least=0.0_dp, otherwise='none', &
+                    not_allowed=first_nonblank(geared, text_unless(.not. has_diameter, &
+                    'does not go with tip_diameter_mm; remove one')), meaning='addendum of the rack in modules, h_aP*')
+    call reader%get(group, 'tip_chamfer_mm', spec%tip_chamfer, error, unit='mm', is_stated=given(1), not_allowed=geared, &
+                    at_least=0.0_dp, default_note='none', &
                     meaning='height of the chamfer at the tip, h_K, as an edge of the tool at 45 degrees cuts it')
-    call reader%get(group, 'tip_rounding_mm', spec%tip_rounding, error, unit='mm', given=given(2), refused=geared, &
-                    at_least=0.0_dp, otherwise='none', &
+    call reader%get(group, 'tip_rounding_mm', spec%tip_rounding, error, unit='mm', is_stated=given(2), not_allowed=geared, &
+                    at_least=0.0_dp, default_note='none', &
                     meaning='radius of the rounding between flank and tip circle, instead of a chamfer')
-    call reader%get(group, 'tip_form_diameter_mm', spec%tip_form_diameter, error, unit='mm', given=given(3), refused=geared, &
-                    above=0.0_dp, otherwise='the tip diameter, or where a chamfer or rounding begins', &
+    call reader%get(group, 'tip_form_diameter_mm', spec%tip_form_diameter, error, unit='mm', is_stated=given(3), &
+                    not_allowed=geared, above=0.0_dp, default_note='the tip diameter, or where a chamfer or rounding begins', &
                     meaning='tip form diameter d_Na, where the involute ends: a chamfer stated by where it begins')
     if (count(given) > 1) call fail(error, code_input, '&'//group//' '//trim(merge('tip_form_diameter_mm', &
       'tip_rounding_mm     ', given(3)))//': give one of tip_chamfer_mm, tip_rounding_mm and tip_form_diameter_mm')
@@ -353,12 +359,12 @@ contains
 
     allowance = 0
     shift = 0
-    call reader%get(group, 'thickness_allowance_um', allowance, error, unit='um', given=given(1), refused=geared, &
-                    at_least=-1e9_dp, at_most=0.0_dp, otherwise='none', &
+    call reader%get(group, 'thickness_allowance_um', allowance, error, unit='um', is_stated=given(1), not_allowed=geared, &
+                    at_least=-1e9_dp, at_most=0.0_dp, default_note='none', &
                     meaning='tooth-thickness allowance A_s on the reference circle, negative: how much thinner the tooth is '// &
                     'than with profile_shift alone; backlash follows from it')
-    call reader%get(group, 'generating_shift', shift, error, given=given(2), refused=geared, above=-5.0_dp, below=5.0_dp, &
-                    otherwise='profile_shift, less what thickness_allowance_um takes', &
+    call reader%get(group, 'generating_shift', shift, error, is_stated=given(2), not_allowed=geared, above=-5.0_dp, below=5.0_dp, &
+                    default_note='profile_shift, less what thickness_allowance_um takes', &
                     meaning='generating profile shift coefficient x_E, at most profile_shift; instead of '// &
                     'thickness_allowance_um')
     has_allowance = has_allowance .or. any(given)
@@ -388,16 +394,16 @@ contains
       rim = ''
     end if
     ! The web changes the mass; it also implies a rim, whose thickness the stiffness by elements uses too.
-    if (case%weighs(gear) .or. (case%needs_elements() .and. .not. case%has_support .and. case%section%rim <= 0)) then
+    if (case%computes_mass(gear) .or. (case%needs_elements() .and. .not. case%has_support .and. case%section%rim <= 0)) then
       web = ''
       rim = ''
     end if
-    call reader%get(group, 'web_thickness_mm', case%iso%web_thickness(gear), error, unit='mm', given=given(1), &
-                    lacks=web, refused=geared, above=0.0_dp, otherwise='a solid disc', &
+    call reader%get(group, 'web_thickness_mm', case%iso%web_thickness(gear), error, unit='mm', is_stated=given(1), &
+                    unused_without=web, not_allowed=geared, above=0.0_dp, default_note='a solid disc', &
                     meaning='thickness of the web b_s, for a mass that is not stated, C_R of a stiffness by iso6336 and '// &
                     'the task body_modes')
-    call reader%get(group, 'rim_thickness_mm', case%iso%rim_thickness(gear), error, unit='mm', given=given(2), &
-                    lacks=rim, refused=geared, above=0.0_dp, otherwise='a solid disc', &
+    call reader%get(group, 'rim_thickness_mm', case%iso%rim_thickness(gear), error, unit='mm', is_stated=given(2), &
+                    unused_without=rim, not_allowed=geared, above=0.0_dp, default_note='a solid disc', &
                     meaning='thickness of the rim s_R below the root circle, for a mass that is not stated, the pair stiffness '// &
                     'by elements where &section says neither fixed nor rim_mm, C_R of a stiffness by iso6336 and Y_B of '// &
                     'the tasks rating and life, and for the task body_modes')
@@ -406,14 +412,14 @@ contains
   end subroutine read_web
 
   !> What the bore lacks: it ends the section if no rim is stated, and reduces the mass of a solid body.
-  pure function without_bore(case, gear) result(lacks)
+  pure function without_bore(case, gear) result(unused_without)
     type(case_t), intent(in) :: case
     integer, intent(in) :: gear
-    character(sentence_length) :: lacks
+    character(sentence_length) :: unused_without
     logical :: ends
 
     ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs(stage%section) .and. gear == case%gear))
     ends = ends .or. (case%needs(stage%solid) .and. gear == case%gear)
-    lacks = unless(case%weighs(gear) .or. ends, 'a section that ends at it or a mass that is not stated')
+    unused_without = text_unless(case%computes_mass(gear) .or. ends, 'a section that ends at it or a mass that is not stated')
   end function without_bore
 end module gearsweep_study_case_gear_keys

@@ -70,34 +70,34 @@ contains
   !> remains unchanged.
   pure subroutine name_key(error)
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: rest, part, text
+    character(:), allocatable :: remaining, part, text
     integer :: n
 
     if (.not. allocated(error)) return
-    rest = error%message
+    remaining = error%message
     text = ''
     do
-      n = index(rest, '; ')
+      n = index(remaining, '; ')
       if (n == 0) exit
-      part = rest(:n - 1)
+      part = remaining(:n - 1)
       call name_part(part)
       text = text//part//'; '
-      rest = rest(n + 2:)
+      remaining = remaining(n + 2:)
     end do
-    call name_part(rest)
-    error%message = text//rest
+    call name_part(remaining)
+    error%message = text//remaining
   end subroutine name_key
 
   !> Replaces the quantity at the beginning of a part by its key.
   pure subroutine name_part(part)
     character(:), allocatable, intent(inout) :: part
-    character(:), allocatable :: said
+    character(:), allocatable :: words
     integer :: n
 
-    said = part
-    n = index(said, ' ')
-    if (said(:n) == 'pinion ' .or. said(:n) == 'gear ') call put_key(gear_key_names, '&'//said(:n), said(n + 1:), part)
-    call put_key(key_names, '', said, part)
+    words = part
+    n = index(words, ' ')
+    if (words(:n) == 'pinion ' .or. words(:n) == 'gear ') call put_key(gear_key_names, '&'//words(:n), words(n + 1:), part)
+    call put_key(key_names, '', words, part)
   end subroutine name_part
 
   !> Returns the text of a part that begins with one of these quantities, with its key; otherwise `text` is unchanged.

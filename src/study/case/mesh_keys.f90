@@ -6,7 +6,7 @@ module gearsweep_study_case_mesh_keys
     scheme_rk4, scheme_rk4_equal, up
   use gearsweep_study_case_case, only: case_t, for_iso, for_stage
   use gearsweep_study_case_task, only: stage, task_length, task_slot_t
-  use gearsweep_study_reader_reader, only: first_of, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, needs_gears, reader_t, sentence_length, text_unless
   implicit none
   private
   public :: read_model, read_load, read_relief, read_path, read_dynamics, read_sweep, read_numerics
@@ -29,9 +29,9 @@ contains
 
     case%prescribed = reader%has('mesh', 'contact_ratio')
     call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp, &
-                    otherwise='that of the gears', meaning='contact ratio of a prescribed mesh, which has no geometry behind it')
+                    default_note='that of the gears', meaning='contact ratio of a prescribed mesh, which has no geometry behind it')
     do i = 1, merge(size(case%tasks), 0, case%prescribed)
-      if (case%tasks(i)%takes(stage%geometry)) call fail(error, code_input, '&case tasks = '''// &
+      if (case%tasks(i)%needs(stage%geometry)) call fail(error, code_input, '&case tasks = '''// &
         trim(case%tasks(i)%info%name)//''': needs gears; a prescribed mesh (&mesh contact_ratio) has none')
     end do
     case%model = 'fe'
@@ -47,13 +47,13 @@ contains
     open = len(case%model) == 0
     call reader%get('mesh', 'coefficients', case%coefficients, error, unit='N/um', required=.not. open, &
                     at_least=-1e12_dp, at_most=1e12_dp, max_size=20, tasks=case%tasks_for(stage%mesh), &
-                    refused=unless(open .or. case%model == 'polynomial', 'needs model = ''polynomial'''), &
-                    otherwise='none; required with model = ''polynomial''', &
+                    not_allowed=text_unless(open .or. case%model == 'polynomial', 'needs model = ''polynomial'''), &
+                    default_note='none; required with model = ''polynomial''', &
                     meaning='stiffness of one pair over the whole face width, in ascending powers of u, which goes from -1 at '// &
                     'A to 1 at E')
     call reader%get('mesh', 'file', case%file, error, required=.not. open, tasks=case%tasks_for(stage%mesh), &
-                    refused=unless(open .or. case%model == 'table', 'needs model = ''table'''), &
-                    otherwise='none; required with model = ''table''', &
+                    not_allowed=text_unless(open .or. case%model == 'table', 'needs model = ''table'''), &
+                    default_note='none; required with model = ''table''', &
                     meaning='file with a table of the path coordinate s and the pair stiffness; a relative name lies beside '// &
                     'the case')
   end subroutine read_model
@@ -79,8 +79,8 @@ contains
                     at_least=1e-12_dp, at_most=1e12_dp, meaning='force on the line of action')
     call reader%get('load', 'line_load_n_mm', case%line_load, error, unit='N/mm', one_of=.true., tasks=case%tasks_for(stage%mesh), &
                     at_least=1e-12_dp, at_most=1e7_dp, meaning='force on the line of action over the face width')
-    call reader%get('load', 'application_factor', case%iso%application_factor, error, lacks=for_iso(case, stage%rims), &
-                    at_least=0.1_dp, at_most=10.0_dp, otherwise='1, a steady load', &
+    call reader%get('load', 'application_factor', case%iso%application_factor, error, unused_without=for_iso(case, stage%rims), &
+                    at_least=0.1_dp, at_most=10.0_dp, default_note='1, a steady load', &
                     meaning='K_A of ISO 6336-1, for the tasks rating and life; a stiffness by iso6336 takes it '// &
                     'below 100 N/mm of F_t K_A/b')
   end subroutine read_load
@@ -91,43 +91,46 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: shape
-    character(sentence_length) :: lacks, with_relief
+    character(sentence_length) :: unused_without, with_relief
     logical :: has_length, has_roll(2)
 
     with_relief = case%tasks_for(stage%reliefs)
-    lacks = for_stage(case, stage%reliefs)
+    unused_without = for_stage(case, stage%reliefs)
     allocate (case%amount(1), source=0.0_dp)
     call reader%get('relief', 'amount_um', case%amount, error, unit='um', required=reader%has_group('relief'), &
-                    tasks=with_relief, lacks=lacks, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, distinct=.true., &
+                    tasks=with_relief, unused_without=unused_without, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, &
+                    distinct=.true., &
                     meaning='amounts of tip relief to compute, of gears each 0 or from 0.05 um to a tenth of the module; '// &
                     'required where this group is given')
     ! No requested result depends on the relief.
-    if (len_trim(lacks) > 0) case%amount = [0.0_dp]
-    lacks = first_of(lacks, unless(case%relieves(), relief_matters))
-    call reader%get('relief', 'pinion_fraction', case%fraction(1), error, tasks=with_relief, lacks=lacks, at_least=0.0_dp, &
+    if (len_trim(unused_without) > 0) case%amount = [0.0_dp]
+    unused_without = first_nonblank(unused_without, text_unless(case%has_relief(), relief_matters))
+    call reader%get('relief', 'pinion_fraction', case%fraction(1), error, tasks=with_relief, unused_without=unused_without, &
+                    at_least=0.0_dp, &
                     at_most=1000.0_dp, meaning='relief at the pinion''s tip over the amount; 0 leaves the pinion as it is')
-    call reader%get('relief', 'gear_fraction', case%fraction(2), error, tasks=with_relief, lacks=lacks, at_least=0.0_dp, &
+    call reader%get('relief', 'gear_fraction', case%fraction(2), error, tasks=with_relief, unused_without=unused_without, &
+                    at_least=0.0_dp, &
                     at_most=1000.0_dp, meaning='relief at the gear''s tip over the amount; 0 leaves the gear as it is')
     shape = 'linear'
-    call reader%get('relief', 'shape', shape, error, tasks=with_relief, lacks=lacks, &
+    call reader%get('relief', 'shape', shape, error, tasks=with_relief, unused_without=unused_without, &
                     allowed=[character(9) :: 'linear', 'parabolic'], &
                     meaning='how relief grows with the path coordinate, and so with the roll angle')
     case%shape = merge(parabolic, linear, shape == 'parabolic')
-    call reader%get('relief', 'length_mm', case%length, error, unit='mm', given=has_length, tasks=with_relief, lacks=lacks, &
-                    at_least=1e-6_dp, at_most=1e6_dp, otherwise='none; for start = ''length''', &
+    call reader%get('relief', 'length_mm', case%length, error, unit='mm', is_stated=has_length, tasks=with_relief, &
+                    unused_without=unused_without, at_least=1e-6_dp, at_most=1e6_dp, default_note='none; for start = ''length''', &
                     meaning='length of the relieved part of the path of contact, alike for both gears')
-    call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, unit='deg', given=has_roll(1), tasks=with_relief, &
-                    lacks=lacks, above=0.0_dp, otherwise='none; for start = ''roll''', &
+    call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, unit='deg', is_stated=has_roll(1), tasks=with_relief, &
+                    unused_without=unused_without, above=0.0_dp, default_note='none; for start = ''roll''', &
                     meaning='roll angle of the pinion at which its relief begins')
-    call reader%get('relief', 'gear_roll_deg', case%roll(2), error, unit='deg', given=has_roll(2), tasks=with_relief, &
-                    lacks=lacks, above=0.0_dp, otherwise='none; for start = ''roll''', &
+    call reader%get('relief', 'gear_roll_deg', case%roll(2), error, unit='deg', is_stated=has_roll(2), tasks=with_relief, &
+                    unused_without=unused_without, above=0.0_dp, default_note='none; for start = ''roll''', &
                     meaning='roll angle of the gear at which its relief begins')
     case%start = 'hpstc'
     if (has_length) case%start = 'length'
     if (any(has_roll)) case%start = 'roll'
-    call reader%get('relief', 'start', case%start, error, tasks=with_relief, lacks=lacks, &
+    call reader%get('relief', 'start', case%start, error, tasks=with_relief, unused_without=unused_without, &
                     allowed=[character(6) :: 'hpstc', 'pitch', 'length', 'roll'], &
-                    otherwise='hpstc, or what length_mm or a roll angle says', &
+                    default_note='hpstc, or what length_mm or a roll angle says', &
                     meaning='where relief begins: at D and B (hpstc), at the pitch point, at a length from the ends of the '// &
                     'path of contact, or at a roll angle')
   end subroutine read_relief
@@ -138,59 +141,60 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: by_hand = 'needs a prescribed mesh (&mesh contact_ratio)'
-    character(sentence_length) :: made, lacks, geared
-    logical :: relieves, slopes
+    character(sentence_length) :: made, unused_without, geared
+    logical :: has_relief, slopes
     character(*), parameter :: relieved = 'has the reliefs in it; remove the amounts above 0 and the task optimum'
     character(*), parameter :: sharing = 'mesh, static, optimum, deflection_relief, precision or transient'
     integer :: i
 
-    made = unless(case%prescribed, by_hand)
-    relieves = case%relieves()
-    lacks = unless(case%torque > 0 .or. any(case%inertia > 0) .or. (relieves .and. case%length > 0) .or. case%asks('mesh') .or. &
-                   case%asks('optimum'), 'mesh or optimum')
+    made = text_unless(case%prescribed, by_hand)
+    has_relief = case%has_relief()
+    unused_without = text_unless(case%torque > 0 .or. any(case%inertia > 0) .or. (has_relief .and. case%length > 0) .or. &
+                   case%requests('mesh') .or. case%requests('optimum'), 'mesh or optimum')
     call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, unit='mm', at_least=1e-6_dp, at_most=1e6_dp, &
-                    lacks=lacks, refused=made, otherwise='that of the gears', &
+                    unused_without=unused_without, not_allowed=made, default_note='that of the gears', &
                     meaning='base pitch of a prescribed mesh, for a torque, an inertia or a length of relief')
-    lacks = ''
+    unused_without = ''
     slopes = reader%has('deviations', 'pinion_profile_slope_um') .or. reader%has('deviations', 'gear_profile_slope_um')
-    if (.not. (relieves .and. case%start == 'pitch') .and. .not. (slopes .and. case%asks('as_built'))) then
-      lacks = 'as_built'
-      if (case%start == 'pitch') lacks = relief_matters
-      if (case%friction > 0) lacks = for_stage(case, stage%motion)
+    if (.not. (has_relief .and. case%start == 'pitch') .and. .not. (slopes .and. case%requests('as_built'))) then
+      unused_without = 'as_built'
+      if (case%start == 'pitch') unused_without = relief_matters
+      if (case%friction > 0) unused_without = for_stage(case, stage%motion)
     end if
-    call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, lacks=lacks, &
-                    refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch' .or. slopes, &
+    call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, unused_without=unused_without, &
+                    not_allowed=first_nonblank(made, text_unless(case%friction > 0 .or. case%start == 'pitch' .or. slopes, &
                     'a prescribed mesh uses it with friction, start = ''pitch'' or a profile slope deviation only; remove it')), &
-                    otherwise='half the contact ratio', &
+                    default_note='half the contact ratio', &
                     meaning='path coordinate s of the pitch point of a prescribed mesh, at most the contact ratio')
     call reader%get('mesh', 'shared_compliance_um_n', case%shared_compliance, error, unit='um/N', &
-                    tasks=case%tasks_for(stage%mesh), refused=made, at_least=0.0_dp, at_most=1e6_dp, otherwise='none', &
+                    tasks=case%tasks_for(stage%mesh), not_allowed=made, at_least=0.0_dp, at_most=1e6_dp, default_note='none', &
                     meaning='how far a load on a pair of a prescribed mesh moves its neighbours too, as all act on the same '// &
                     'bodies: a part of each pair''s compliance')
     ! Stability depends on it only if contact extends beyond A and E.
-    lacks = unless(case%model == 'table' .or. case%needs(stage%reliefs), case%tasks_for(stage%reliefs))
+    unused_without = text_unless(case%model == 'table' .or. case%needs(stage%reliefs), case%tasks_for(stage%reliefs))
     call reader%get('mesh', 'profile_error_file', case%profile_error_file, error, tasks=case%tasks_for(stage%mesh), &
-                    lacks=lacks, &
-                    refused=first_of(made, unless(.not. case%relieves(), relieved)), &
-                    otherwise='none', &
+                    unused_without=unused_without, &
+                    not_allowed=first_nonblank(made, text_unless(.not. case%has_relief(), relieved)), &
+                    default_note='none', &
                     meaning='file with a table of the path coordinate s and the profile error of a prescribed mesh in um, '// &
                     'through which splines go; where s comes twice, a new one begins. As far beyond A and E as it and a '// &
                     'table of the stiffness reach, a pair may be in contact; a relative name lies beside the case')
-    geared = unless(.not. case%prescribed, needs_gears)
-    lacks = first_of(for_stage(case, stage%mesh), unless(case%model == 'fe', 'model = ''fe'''))
-    call reader%get('mesh', 'tooth_coupling', case%tooth_coupling, error, tasks=case%tasks_for(stage%mesh), refused=geared, &
-                    lacks=first_of(lacks, unless(case%section%teeth /= 1, 'a section of more than one tooth')), &
+    geared = text_unless(.not. case%prescribed, needs_gears)
+    unused_without = first_nonblank(for_stage(case, stage%mesh), text_unless(case%model == 'fe', 'model = ''fe'''))
+    call reader%get('mesh', 'tooth_coupling', case%tooth_coupling, error, tasks=case%tasks_for(stage%mesh), not_allowed=geared, &
+                    unused_without=first_nonblank(unused_without, text_unless(case%section%teeth /= 1, &
+                    'a section of more than one tooth')), &
                     meaning='whether the load on a tooth moves the next one on the same body, with '// &
                     'model = ''fe''; papers whose pairs of teeth are springs side by side leave it out')
-    call reader%get('mesh', 'corner_contact', case%corner_contact, error, tasks=case%tasks_for(stage%mesh), refused=geared, &
-                    lacks=first_of(for_stage(case, stage%mesh), unless(case%models_teeth(), &
+    call reader%get('mesh', 'corner_contact', case%corner_contact, error, tasks=case%tasks_for(stage%mesh), not_allowed=geared, &
+                    unused_without=first_nonblank(for_stage(case, stage%mesh), text_unless(case%models_teeth(), &
                     'model = ''fe'', ''weber'' or ''iso6336''')), &
                     meaning='whether a loaded pair may touch before A and behind E too, where the tip corner of one tooth '// &
                     'meets the other''s flank, with model = ''fe'', ''weber'' or ''iso6336''; papers whose contact ends at A '// &
                     'and E leave it out')
-    lacks = unless(any([(shares_load(case%tasks(i)), i=1, size(case%tasks))]), sharing)
-    call reader%get('mesh', 'nonlinear_contact', case%nonlinear_contact, error, tasks=sharing, refused=geared, &
-                    lacks=first_of(lacks, unless(case%model == 'fe', 'model = ''fe''')), &
+    unused_without = text_unless(any([(shares_load(case%tasks(i)), i=1, size(case%tasks))]), sharing)
+    call reader%get('mesh', 'nonlinear_contact', case%nonlinear_contact, error, tasks=sharing, not_allowed=geared, &
+                    unused_without=first_nonblank(unused_without, text_unless(case%model == 'fe', 'model = ''fe''')), &
                     meaning='whether the static load sharing flattens flanks by the load that each pair carries (Hertz), with '// &
                     'model = ''fe''; otherwise by the nominal load, as the motion does')
   end subroutine read_path
@@ -199,9 +203,9 @@ contains
   pure logical function shares_load(slot)
     type(task_slot_t), intent(in) :: slot
 
-    shares_load = slot%takes(stage%reliefs) .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static', 'precision', &
+    shares_load = slot%needs(stage%reliefs) .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static', 'precision', &
                                                                              'optimum', 'deflection_relief'])
-    if (slot%info%name == 'transient') shares_load = slot%takes(stage%reliefs) .and. .not. slot%takes(stage%motion)
+    if (slot%info%name == 'transient') shares_load = slot%needs(stage%reliefs) .and. .not. slot%needs(stage%motion)
   end function shares_load
 
   subroutine read_dynamics(reader, case, error)

@@ -46,7 +46,7 @@ module gearsweep_study_case_task
   type :: task_info_t
     character(task_length) :: name = ''
     integer, allocatable :: needs(:)             !< needed stages, indices in `stage`
-    character(:), allocatable :: gives           !< result of the task, without a full stop
+    character(:), allocatable :: summary           !< result of the task, without a full stop
     character(:), allocatable :: tables          !< names of all its possible tables, separated by blanks
     character(:), allocatable :: fields          !< names of those whose rows are nodes or elements of a grid
     logical :: is_always = .false.               !< true if it runs for every case that has gears, even if not requested
@@ -79,7 +79,7 @@ module gearsweep_study_case_task
     type(grid_t), allocatable :: grid            !< grid whose nodes or elements the rows of tables are
     logical :: is_done = .false.                 !< true if there is a result
     logical :: is_stopped = .false.              !< true if the caller ended the run: the result is incomplete
-    logical :: is_taken = .false.                !< true if the expensive results are an earlier study's
+    logical :: is_reused = .false.                !< true if the expensive results are an earlier study's
     integer :: failed = 0                        !< number of operating points that did not converge
     character(:), allocatable :: log             !< steps of the run, a line each
   contains
@@ -96,10 +96,10 @@ module gearsweep_study_case_task
   type :: task_slot_t
     type(task_info_t) :: info
     class(task_t), allocatable :: task
-    logical :: is_wanted = .false.               !< true if the case requests it
-    character(:), allocatable :: given           !< values of its keys in the case, as text
+    logical :: is_requested = .false.               !< true if the case requests it
+    character(:), allocatable :: key_text           !< values of its keys in the case, as text
   contains
-    procedure :: takes
+    procedure :: needs
   end type task_slot_t
 
   abstract interface
@@ -125,7 +125,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     ! Avoids a warning about unused arguments.
-    if (.not. allocated(error) .and. reader%wants('')) self%is_done = .false.
+    if (.not. allocated(error) .and. reader%requests('')) self%is_done = .false.
   end subroutine no_keys
 
   !> True if the task needs this stage with its present keys. With speeds of its own it does not use those of &sweep.
@@ -219,7 +219,7 @@ contains
     meaning = 'speeds of the pinion, ascending'
     if (present(order)) meaning = 'speeds of the pinion, '//order
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', tasks=group, at_least=1e-6_dp, at_most=1e9_dp, &
-                    max_size=most, distinct=.true., otherwise='those of &sweep', meaning=meaning)
+                    max_size=most, distinct=.true., default_note='those of &sweep', meaning=meaning)
     if (present(order) .or. .not. allocated(self%own_rpm)) return
     do i = 2, size(self%own_rpm)
       if (self%own_rpm(i) <= self%own_rpm(i - 1)) call fail(error, code_input, '&'//group//' rpm: must ascend; '// &
@@ -235,7 +235,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     call reader%get(group, 'relief_um', self%own_relief, error, unit='um', tasks=group, at_least=0.0_dp, at_most=1e9_dp, &
-                    max_size=10000, distinct=.true., otherwise='all of &relief amount_um', &
+                    max_size=10000, distinct=.true., default_note='all of &relief amount_um', &
                     meaning='tip reliefs, from those of &relief amount_um')
   end subroutine read_reliefs
 
@@ -256,12 +256,12 @@ contains
   end subroutine check_reliefs
 
   !> True if the case requests this task and the task uses this stage.
-  pure logical function takes(self, which)
+  pure logical function needs(self, which)
     class(task_slot_t), intent(in) :: self
     integer, intent(in) :: which                 !< index of the stage in `stage`
 
-    takes = self%is_wanted .and. self%task%uses(which)
-  end function takes
+    needs = self%is_requested .and. self%task%uses(which)
+  end function needs
 
   !> Tasks that need this stage, or the other one, as in `load, sweep or optimum`.
   pure function sentence_of(slots, which, other) result(words)

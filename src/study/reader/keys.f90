@@ -9,7 +9,7 @@ module gearsweep_study_reader_keys
   public :: bounds_t, bound_real, bound_integer, key_t, declare, keys_t
 
   type :: bounds_t
-    logical :: whole = .false.                   !< true for integers only
+    logical :: is_integer = .false.                   !< true for integers only
     real(dp) :: low = -huge(1.0_dp), high = huge(1.0_dp)
     logical :: low_is_out = .false., high_is_out = .false.
     character(12) :: unit = ''                   !< unit of the numbers
@@ -37,12 +37,12 @@ module gearsweep_study_reader_keys
     logical :: is_one_of = .false.               !< true if exactly one of the group's keys with this mark is required
     !> Default value, as written in a case; not allocated if there is none.
     character(:), allocatable :: default
-    character(:), allocatable :: otherwise       !< description of what applies instead of a default; may be empty
+    character(:), allocatable :: default_note       !< description of what applies instead of a default; may be empty
     ! In this case:
     integer :: entry = 0                         !< index of the key's entry in the namelist; 0: none
     integer :: turn = 0                          !< number of keys declared before the last declaration of this one, and this one
-    character(:), allocatable :: lacks           !< tasks or values that would use the key; empty if it is used
-    character(:), allocatable :: refused         !< reason why the key is not allowed; empty if it is
+    character(:), allocatable :: unused_without           !< tasks or values that would use the key; empty if it is used
+    character(:), allocatable :: not_allowed         !< reason why the key is not allowed; empty if it is
     character(:), allocatable :: caution         !< reason why its number is unusual; not allocated if it is not
   contains
     procedure :: allow_list, list_allowed, is_for
@@ -59,7 +59,7 @@ module gearsweep_study_reader_keys
     integer :: known = 0, last = 0               !< number of keys, and the key added last
     integer :: asked = 0                         !< number of declarations so far
   contains
-    procedure :: add_group, add, set_default, list_groups, has, why_unknown, find_lacking, list_waiting, list_cautions
+    procedure :: add_group, add, set_default, list_groups, has, why_unknown, list_missing, list_unused, list_cautions
     procedure :: write_case, write_given
   end type keys_t
 
@@ -84,7 +84,7 @@ contains
     type(bounds_t), intent(out) :: bounds
     integer, intent(in), optional :: at_least, at_most
 
-    bounds%whole = .true.
+    bounds%is_integer = .true.
     if (present(at_least)) bounds%low = at_least
     if (present(at_most)) bounds%high = at_most
   end subroutine bound_integer
@@ -113,7 +113,7 @@ contains
       if (len(words) > 0) words = words//' and '
       words = words//trim(merge('below  ', 'at most', self%high_is_out))//' '//str(self%high, 12)
     end if
-    if (len(words) == 0) words = trim(merge('an integer', 'a number  ', self%whole))
+    if (len(words) == 0) words = trim(merge('an integer', 'a number  ', self%is_integer))
   end subroutine describe
 
   !> Describes the bounds for a table, as in `0.001 to 1000` or `above 3, below 45`; empty without bounds.
@@ -149,11 +149,11 @@ contains
   end function in_short
 
   !> Declares a key without bounds, words and default.
-  pure subroutine declare(key, group, name, meaning, kind, unit, tasks, otherwise, required, one_of)
+  pure subroutine declare(key, group, name, meaning, kind, unit, tasks, default_note, required, one_of)
     type(key_t), intent(out) :: key
     character(*), intent(in) :: group, name, meaning
     integer, intent(in) :: kind
-    character(*), intent(in), optional :: unit, tasks, otherwise
+    character(*), intent(in), optional :: unit, tasks, default_note
     logical, intent(in), optional :: required, one_of
 
     key%group = lower(group)
@@ -162,14 +162,14 @@ contains
     key%kind = kind
     key%unit = ''
     key%tasks = ''
-    key%otherwise = ''
+    key%default_note = ''
     if (present(unit)) key%unit = unit
     if (present(tasks)) key%tasks = trim(tasks)
-    if (present(otherwise)) key%otherwise = otherwise
+    if (present(default_note)) key%default_note = default_note
     if (present(required)) key%is_required = required
     if (present(one_of)) key%is_one_of = one_of
-    key%lacks = ''
-    key%refused = ''
+    key%unused_without = ''
+    key%not_allowed = ''
   end subroutine declare
 
   !> Allows several values, between `fewest` and `most`.
@@ -333,7 +333,7 @@ contains
   end subroutine why_unknown
 
   !> Lists keys of which exactly one is required, if none is present, with a comma before the list; otherwise empty.
-  pure subroutine find_lacking(self, words)
+  pure subroutine list_missing(self, words)
     class(keys_t), intent(in) :: self
     character(:), allocatable, intent(out) :: words
     integer :: i
@@ -341,31 +341,31 @@ contains
     words = ''
     do i = 1, self%known
       associate (key => self%key(i))
-        if (.not. key%is_one_of .or. len(key%lacks) > 0) cycle
+        if (.not. key%is_one_of .or. len(key%unused_without) > 0) cycle
         if (key%entry > 0) exit
         if (len(words) == 0) words = ', one of &'//trim(key%group)
         words = words//' '//trim(key%name)
       end associate
     end do
     if (i <= self%known) words = ''
-  end subroutine find_lacking
+  end subroutine list_missing
 
   !> Lists the keys of the text that are not used: for each set of tasks a line `tasks: &group key, key; &group key`.
-  pure subroutine list_waiting(self, text)
+  pure subroutine list_unused(self, text)
     class(keys_t), intent(in) :: self
     character(:), allocatable, intent(out) :: text
     type(lines_t) :: lines
-    logical :: told(self%known)
+    logical :: is_listed(self%known)
     integer :: i, k, before
 
-    told = .false.
+    is_listed = .false.
     do i = 1, self%known
-      if (told(i) .or. .not. is_unused(i)) cycle
-      call lines%put(self%key(i)%lacks//':')
+      if (is_listed(i) .or. .not. is_unused(i)) cycle
+      call lines%put(self%key(i)%unused_without//':')
       before = 0
       do k = i, self%known
         if (.not. is_unused(k)) cycle
-        if (self%key(k)%lacks /= self%key(i)%lacks) cycle
+        if (self%key(k)%unused_without /= self%key(i)%unused_without) cycle
         if (before == 0) then
           call lines%put(' &'//trim(self%key(k)%group)//' ')
         else if (self%key(k)%group == self%key(before)%group) then
@@ -374,7 +374,7 @@ contains
           call lines%put('; &'//trim(self%key(k)%group)//' ')
         end if
         call lines%put(trim(self%key(k)%name))
-        told(k) = .true.
+        is_listed(k) = .true.
         before = k
       end do
       call lines%add('')
@@ -386,9 +386,9 @@ contains
     pure logical function is_unused(i)
       integer, intent(in) :: i
 
-      is_unused = self%key(i)%entry > 0 .and. len(self%key(i)%lacks) > 0
+      is_unused = self%key(i)%entry > 0 .and. len(self%key(i)%unused_without) > 0
     end function is_unused
-  end subroutine list_waiting
+  end subroutine list_unused
 
   !> Lists unusual numbers of the text, a line for each.
   pure subroutine list_cautions(self, text)
@@ -438,7 +438,7 @@ contains
     pure logical function counts(key)
       type(key_t), intent(in) :: key
 
-      counts = allocated(key%default) .and. len(key%lacks) == 0 .and. len(key%refused) == 0
+      counts = allocated(key%default) .and. len(key%unused_without) == 0 .and. len(key%not_allowed) == 0
     end function counts
   end subroutine write_case
 

@@ -56,7 +56,7 @@ module gearsweep_study_reader_namelist
     !> Memory of the values, which repeat counts could inflate.
     integer(int64) :: stored = 0
   contains
-    procedure :: open_group, close_group, open_key, add_comma, add_value, finish, tell_place
+    procedure :: open_group, close_group, open_key, add_comma, add_value, finish, describe_place
     procedure, private :: close_key, go_on
   end type builder_t
 
@@ -291,7 +291,7 @@ contains
 
     call find_odd(text(first:last), odd, alike=.false.)
     if (len(odd) == 0) return
-    call s%builder%tell_place(.not. next_is(text, next_at(text, last + 1), '='), place)
+    call s%builder%describe_place(.not. next_is(text, next_at(text, last + 1), '='), place)
     call fail_at(s%line, place//shown(text(first:last))//': '//odd, error)
   end subroutine refuse_odd
 
@@ -421,7 +421,7 @@ contains
   end subroutine go_on
 
   !> Describes the open group, and with `is_value` the open key, for messages.
-  pure subroutine tell_place(self, is_value, words)
+  pure subroutine describe_place(self, is_value, words)
     class(builder_t), intent(in) :: self
     logical, intent(in) :: is_value
     character(:), allocatable, intent(out) :: words
@@ -430,7 +430,7 @@ contains
     if (.not. self%in_group) return
     words = '&'//trim(self%list%groups(self%groups))//' '
     if (is_value .and. self%in_key) words = words//self%list%entries(self%entries)%key//' = '
-  end subroutine tell_place
+  end subroutine describe_place
 
   !> Closes the open key, and keeps it if it has values.
   pure subroutine close_key(self)

@@ -2,9 +2,9 @@
 !>
 !> A caller writes one `get` for each key of the format, then `finish`, and checks `error` once. The `get` is the only declaration
 !> of the key: its meaning, unit, allowed values and the tasks that use it. Its variable holds the default before, in SI units, and
-!> the value of the text afterwards. A key that can have no effect is declared with `refused`, the reason: it is then not allowed in
-!> the text. A key without effect in this case, as no task in `tasks` is requested or for the reason in `lacks`, is read and listed
-!> as not used.
+!> the value of the text afterwards. A key that contradicts other keys of the case is declared with `not_allowed`, the reason: an
+!> error if the text has it. A key without effect in this case, as no task in `tasks` is requested or the case does not have what
+!> `unused_without` names, is read and listed as not used. `default_note` describes what applies instead of a default.
 module gearsweep_study_reader_reader
   use gearsweep_base, only: closest_word, code_input, dp, error_t, fail, in_si, join, lower
   use gearsweep_study_reader_keys, only: bound_integer, bound_real, bounds_t, declare, key_t, keys_t, kind_integer, kind_logical, &
@@ -12,10 +12,10 @@ module gearsweep_study_reader_reader
   use gearsweep_study_reader_namelist, only: name_length, namelist_t, parse_namelist
   use gearsweep_study_reader_unit_slips, only: find_slip
   use gearsweep_study_reader_values, only: check_distinct, check_size, check_sizes, describe_texts, fail_entry, read_logical, &
-    read_numbers, read_texts, tell_number
+    read_numbers, read_texts, shortest_digits
   implicit none
   private
-  public :: reader_t, open_list, open_reader, unless, first_of, is_prescribed
+  public :: reader_t, open_list, open_reader, text_unless, first_nonblank, is_prescribed
 
   !> Length of a list of tasks in a sentence: room for the 32 tasks that gearsweep_api_tasks may hold, with the separators.
   integer, parameter, public :: sentence_length = 32*24
@@ -32,11 +32,11 @@ module gearsweep_study_reader_reader
     type(error_t), allocatable :: missing
     character(:), allocatable :: missing_too     !< other missing keys, with a comma and a blank before each
   contains
-    procedure :: add_group, want, wants, has, has_used, has_group, finish, check_key, write_complete
-    !> `call reader%get(group, key, value, error, meaning, [unit], [given], [required], [tasks], [lacks], [refused], ...)`
+    procedure :: add_group, request, requests, has, has_used, has_group, finish, check_key, write_complete
+    !> `call reader%get(group, key, value, error, meaning, [unit], [is_stated], [tasks], [unused_without], [not_allowed], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
-    procedure, private :: set_default, passes, find, judge, miss, check_group
+    procedure, private :: set_default, is_skipped, find, check_magnitude, add_missing, check_group
   end type reader_t
 
 contains
@@ -69,14 +69,14 @@ contains
   end subroutine open_list
 
   !> Reads one number. The bounds are in the key's unit; the value is converted to SI units, then multiplied by `factor`.
-  pure subroutine get_real(self, group, key, value, error, meaning, unit, factor, given, required, one_of, tasks, lacks, &
-                           refused, otherwise, above, at_least, below, at_most)
+  pure subroutine get_real(self, group, key, value, error, meaning, unit, factor, is_stated, required, one_of, tasks, &
+                           unused_without, not_allowed, default_note, above, at_least, below, at_most)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     real(dp), intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: unit, tasks, lacks, refused, otherwise
-    logical, intent(out), optional :: given
+    character(*), intent(in), optional :: unit, tasks, unused_without, not_allowed, default_note
+    logical, intent(out), optional :: is_stated
     logical, intent(in), optional :: required, one_of
     real(dp), intent(in), optional :: factor, above, at_least, below, at_most
     type(key_t) :: wanted
@@ -84,32 +84,32 @@ contains
     real(dp) :: scale
     integer :: at
 
-    if (present(given)) given = .false.
-    if (self%passes(group, key, required)) return
-    call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
+    if (present(is_stated)) is_stated = .false.
+    if (self%is_skipped(group, key, required)) return
+    call declare(wanted, group, key, meaning, kind_number, unit, tasks, default_note, required, one_of)
     call bound_real(wanted%bounds, wanted%unit, above, at_least, below, at_most)
-    call self%find(wanted, at, error, given, lacks, refused)
+    call self%find(wanted, at, error, is_stated, unused_without, not_allowed)
     scale = in_si(wanted%unit)
     if (present(factor)) scale = scale*factor
-    if (.not. present(given)) call self%set_default([value], wanted%bounds, scale)
+    if (.not. present(is_stated)) call self%set_default([value], wanted%bounds, scale)
     if (at == 0) return
     call check_size(self%list%entries(at), 'number', error)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error, scale)
     if (allocated(error)) return
     value = numbers(1)
-    call self%judge(numbers/scale)
+    call self%check_magnitude(numbers/scale)
   end subroutine get_real
 
   !> Reads a list of numbers; the bounds are those of each number, `min_size` and `max_size` of their count. `distinct`: no
   !> duplicates.
-  pure subroutine get_reals(self, group, key, value, error, meaning, unit, given, required, one_of, tasks, lacks, &
-                            refused, otherwise, above, at_least, below, at_most, min_size, max_size, distinct)
+  pure subroutine get_reals(self, group, key, value, error, meaning, unit, is_stated, required, one_of, tasks, unused_without, &
+                            not_allowed, default_note, above, at_least, below, at_most, min_size, max_size, distinct)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     real(dp), allocatable, intent(inout) :: value(:)
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: unit, tasks, lacks, refused, otherwise
-    logical, intent(out), optional :: given
+    character(*), intent(in), optional :: unit, tasks, unused_without, not_allowed, default_note
+    logical, intent(out), optional :: is_stated
     logical, intent(in), optional :: required, one_of, distinct
     real(dp), intent(in), optional :: above, at_least, below, at_most
     integer, intent(in), optional :: min_size, max_size
@@ -118,43 +118,43 @@ contains
     real(dp) :: scale
     integer :: at
 
-    if (present(given)) given = .false.
-    if (self%passes(group, key, required)) return
-    call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
+    if (present(is_stated)) is_stated = .false.
+    if (self%is_skipped(group, key, required)) return
+    call declare(wanted, group, key, meaning, kind_number, unit, tasks, default_note, required, one_of)
     call bound_real(wanted%bounds, wanted%unit, above, at_least, below, at_most)
     call wanted%allow_list(min_size, max_size)
-    call self%find(wanted, at, error, given, lacks, refused)
+    call self%find(wanted, at, error, is_stated, unused_without, not_allowed)
     scale = in_si(wanted%unit)
-    if (allocated(value) .and. .not. present(given)) call self%set_default(value, wanted%bounds, scale)
+    if (allocated(value) .and. .not. present(is_stated)) call self%set_default(value, wanted%bounds, scale)
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'numbers', error, min_size, max_size)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error, scale)
     if (present(distinct)) call check_distinct(self%list%entries(at), numbers, error)
     if (allocated(error)) return
     call move_alloc(numbers, value)
-    call self%judge(value/scale)
+    call self%check_magnitude(value/scale)
   end subroutine get_reals
 
-  pure subroutine get_integer(self, group, key, value, error, meaning, given, required, one_of, tasks, lacks, refused, &
-                              otherwise, at_least, at_most)
+  pure subroutine get_integer(self, group, key, value, error, meaning, is_stated, required, one_of, tasks, unused_without, &
+                              not_allowed, default_note, at_least, at_most)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     integer, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: tasks, lacks, refused, otherwise
-    logical, intent(out), optional :: given
+    character(*), intent(in), optional :: tasks, unused_without, not_allowed, default_note
+    logical, intent(out), optional :: is_stated
     logical, intent(in), optional :: required, one_of
     integer, intent(in), optional :: at_least, at_most
     type(key_t) :: wanted
     real(dp), allocatable :: numbers(:)
     integer :: at
 
-    if (present(given)) given = .false.
-    if (self%passes(group, key, required)) return
-    call declare(wanted, group, key, meaning, kind_integer, '', tasks, otherwise, required, one_of)
+    if (present(is_stated)) is_stated = .false.
+    if (self%is_skipped(group, key, required)) return
+    call declare(wanted, group, key, meaning, kind_integer, '', tasks, default_note, required, one_of)
     call bound_integer(wanted%bounds, at_least, at_most)
-    call self%find(wanted, at, error, given, lacks, refused)
-    if (.not. present(given)) call self%set_default([real(value, dp)], wanted%bounds, 1.0_dp)
+    call self%find(wanted, at, error, is_stated, unused_without, not_allowed)
+    if (.not. present(is_stated)) call self%set_default([real(value, dp)], wanted%bounds, 1.0_dp)
     if (at == 0) return
     call check_size(self%list%entries(at), 'integer', error)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error)
@@ -162,49 +162,49 @@ contains
   end subroutine get_integer
 
   !> Reads a logical: `.true.`, `true`, `T` and the same for false.
-  pure subroutine get_logical(self, group, key, value, error, meaning, given, required, one_of, tasks, lacks, refused, &
-                              otherwise)
+  pure subroutine get_logical(self, group, key, value, error, meaning, is_stated, required, one_of, tasks, unused_without, &
+                              not_allowed, default_note)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     logical, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: tasks, lacks, refused, otherwise
-    logical, intent(out), optional :: given
+    character(*), intent(in), optional :: tasks, unused_without, not_allowed, default_note
+    logical, intent(out), optional :: is_stated
     logical, intent(in), optional :: required, one_of
     type(key_t) :: wanted
     integer :: at
 
-    if (present(given)) given = .false.
-    if (self%passes(group, key, required)) return
-    call declare(wanted, group, key, meaning, kind_logical, '', tasks, otherwise, required, one_of)
-    call self%find(wanted, at, error, given, lacks, refused)
-    if (.not. present(given)) call self%keys%set_default(trim(merge('.true. ', '.false.', value)))
+    if (present(is_stated)) is_stated = .false.
+    if (self%is_skipped(group, key, required)) return
+    call declare(wanted, group, key, meaning, kind_logical, '', tasks, default_note, required, one_of)
+    call self%find(wanted, at, error, is_stated, unused_without, not_allowed)
+    if (.not. present(is_stated)) call self%keys%set_default(trim(merge('.true. ', '.false.', value)))
     if (at == 0) return
     call check_size(self%list%entries(at), 'logical', error)
     call read_logical(self%list%entries(at), value, error)
   end subroutine get_logical
 
   !> Reads one text; with `allowed`, one of these words in any case, returned in lower case.
-  pure subroutine get_text(self, group, key, value, error, meaning, given, required, one_of, tasks, lacks, refused, &
-                           otherwise, allowed)
+  pure subroutine get_text(self, group, key, value, error, meaning, is_stated, required, one_of, tasks, unused_without, &
+                           not_allowed, default_note, allowed)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     character(:), allocatable, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: tasks, lacks, refused, otherwise
-    logical, intent(out), optional :: given
+    character(*), intent(in), optional :: tasks, unused_without, not_allowed, default_note
+    logical, intent(out), optional :: is_stated
     logical, intent(in), optional :: required, one_of
     character(*), intent(in), optional :: allowed(:)
     type(key_t) :: wanted
     character(:), allocatable :: texts(:)
     integer :: at
 
-    if (present(given)) given = .false.
-    if (self%passes(group, key, required)) return
-    call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
+    if (present(is_stated)) is_stated = .false.
+    if (self%is_skipped(group, key, required)) return
+    call declare(wanted, group, key, meaning, kind_text, '', tasks, default_note, required, one_of)
     if (present(allowed)) wanted%words = allowed
-    call self%find(wanted, at, error, given, lacks, refused)
-    if (allocated(value) .and. .not. present(given)) call self%keys%set_default(''''//value//'''')
+    call self%find(wanted, at, error, is_stated, unused_without, not_allowed)
+    if (allocated(value) .and. .not. present(is_stated)) call self%keys%set_default(''''//value//'''')
     if (at == 0) return
     call check_size(self%list%entries(at), 'text', error)
     call read_texts(self%list%entries(at), texts, error, allowed)
@@ -213,27 +213,27 @@ contains
   end subroutine get_text
 
   !> Reads a list of texts, padded with blanks to the longest.
-  pure subroutine get_texts(self, group, key, value, error, meaning, given, required, one_of, tasks, lacks, refused, &
-                            otherwise, allowed, min_size, max_size)
+  pure subroutine get_texts(self, group, key, value, error, meaning, is_stated, required, one_of, tasks, unused_without, &
+                            not_allowed, default_note, allowed, min_size, max_size)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     character(:), allocatable, intent(inout) :: value(:)
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: tasks, lacks, refused, otherwise
-    logical, intent(out), optional :: given
+    character(*), intent(in), optional :: tasks, unused_without, not_allowed, default_note
+    logical, intent(out), optional :: is_stated
     logical, intent(in), optional :: required, one_of
     character(*), intent(in), optional :: allowed(:)
     integer, intent(in), optional :: min_size, max_size
     type(key_t) :: wanted
     integer :: at
 
-    if (present(given)) given = .false.
-    if (self%passes(group, key, required)) return
-    call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
+    if (present(is_stated)) is_stated = .false.
+    if (self%is_skipped(group, key, required)) return
+    call declare(wanted, group, key, meaning, kind_text, '', tasks, default_note, required, one_of)
     if (present(allowed)) wanted%words = allowed
     call wanted%allow_list(min_size, max_size)
-    call self%find(wanted, at, error, given, lacks, refused)
-    if (allocated(value) .and. .not. present(given)) call self%keys%set_default(''''//join(value, ''', ''')//'''')
+    call self%find(wanted, at, error, is_stated, unused_without, not_allowed)
+    if (allocated(value) .and. .not. present(is_stated)) call self%keys%set_default(''''//join(value, ''', ''')//'''')
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'texts', error, min_size, max_size)
     call read_texts(self%list%entries(at), value, error, allowed)
@@ -252,7 +252,7 @@ contains
 
     if (.not. self%keeps_defaults) return
     do i = 1, size(values)
-      call tell_number(values(i), scale, words(i), number, found)
+      call shortest_digits(values(i), scale, words(i), number, found)
       if (.not. found .or. .not. bounds%allow(number)) return
     end do
     call self%keys%set_default(join(words, ', '))
@@ -267,20 +267,20 @@ contains
   end subroutine add_group
 
   !> Requests tasks: keys declared later for other tasks are not used.
-  pure subroutine want(self, tasks)
+  pure subroutine request(self, tasks)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: tasks(:)
 
     self%tasks = ' '//join(tasks, ' ')//' '
-  end subroutine want
+  end subroutine request
 
   !> True if this task is requested.
-  pure logical function wants(self, task)
+  pure logical function requests(self, task)
     class(reader_t), intent(in) :: self
     character(*), intent(in) :: task
 
-    wants = index(self%tasks, ' '//trim(task)//' ') > 0
-  end function wants
+    requests = index(self%tasks, ' '//trim(task)//' ') > 0
+  end function requests
 
   !> True if the text has the key with a value.
   pure logical function has(self, group, key)
@@ -329,7 +329,7 @@ contains
       end associate
     end do
     if (.not. allocated(self%missing)) return
-    call self%keys%find_lacking(others)
+    call self%keys%list_missing(others)
     others = self%missing_too//others
     if (len(others) > 0) call fail(error, self%missing%code, self%missing%message//'; missing too: '//others(3:))
     call fail(error, self%missing%code, self%missing%message)
@@ -375,57 +375,57 @@ contains
   end subroutine write_complete
 
   !> True if nothing is to do for this key. Names in lower case.
-  pure logical function passes(self, group, key, required)
+  pure logical function is_skipped(self, group, key, required)
     class(reader_t), intent(in) :: self
     character(*), intent(in) :: group, key
     logical, intent(in), optional :: required
 
-    passes = self%is_brief
-    if (passes .and. present(required)) passes = .not. required
-    if (passes) passes = self%list%position(group, key) == 0
-  end function passes
+    is_skipped = self%is_brief
+    if (is_skipped .and. present(required)) is_skipped = .not. required
+    if (is_skipped) is_skipped = self%list%position(group, key) == 0
+  end function is_skipped
 
   !> Adds the key to the format; `at` is its entry, or 0 if there is nothing to read.
-  pure subroutine find(self, key, at, error, given, lacks, refused)
+  pure subroutine find(self, key, at, error, is_stated, unused_without, not_allowed)
     class(reader_t), intent(inout) :: self
     type(key_t), intent(inout) :: key
     integer, intent(out) :: at
     type(error_t), allocatable, intent(inout) :: error
-    logical, intent(out), optional :: given
-    character(*), intent(in), optional :: lacks, refused
-    logical :: may_be
+    logical, intent(out), optional :: is_stated
+    character(*), intent(in), optional :: unused_without, not_allowed
+    logical :: is_allowed
 
     at = 0
-    if (present(lacks)) key%lacks = trim(lacks)
-    if (present(refused)) key%refused = trim(refused)
-    if (len(key%lacks) == 0 .and. .not. key%is_for(self%tasks)) key%lacks = key%tasks
-    may_be = len(key%refused) == 0
+    if (present(unused_without)) key%unused_without = trim(unused_without)
+    if (present(not_allowed)) key%not_allowed = trim(not_allowed)
+    if (len(key%unused_without) == 0 .and. .not. key%is_for(self%tasks)) key%unused_without = key%tasks
+    is_allowed = len(key%not_allowed) == 0
     if (.not. allocated(error)) then
       at = self%list%position(key%group, key%name)
-      if (at > 0 .and. .not. may_be) call fail_entry(self%list%entries(at), key%refused, error)
-      if (.not. may_be) at = 0
+      if (at > 0 .and. .not. is_allowed) call fail_entry(self%list%entries(at), key%not_allowed, error)
+      if (.not. is_allowed) at = 0
     end if
     key%entry = at
     call self%keys%add(key)
     if (at > 0) self%list%entries(at)%used = .true.
-    if (present(given)) given = at > 0
-    if (key%is_required .and. at == 0 .and. may_be .and. len(key%lacks) == 0) call self%miss(key)
+    if (present(is_stated)) is_stated = at > 0
+    if (key%is_required .and. at == 0 .and. is_allowed .and. len(key%unused_without) == 0) call self%add_missing(key)
   end subroutine find
 
   !> Stores a warning if the numbers of the key declared last are used and are unusual in its unit.
-  pure subroutine judge(self, numbers)
+  pure subroutine check_magnitude(self, numbers)
     class(reader_t), intent(inout) :: self
     real(dp), intent(in) :: numbers(:)
     character(:), allocatable :: words
 
     associate (key => self%keys%key(self%keys%last))
-      if (len(key%lacks) > 0) return
+      if (len(key%unused_without) > 0) return
       call find_slip(trim(key%name), key%unit, numbers, words)
       if (len(words) > 0) key%caution = words
     end associate
-  end subroutine judge
+  end subroutine check_magnitude
 
-  pure subroutine miss(self, key)
+  pure subroutine add_missing(self, key)
     class(reader_t), intent(inout) :: self
     type(key_t), intent(in) :: key
     ! A bound that only limits the range of computation does not help a user who looks for a value.
@@ -449,25 +449,25 @@ contains
     end if
     call fail(self%missing, code_input, '&'//trim(key%group)//' '//trim(key%name)//': missing; must be '//rule// &
               ' ('//key%meaning//')')
-  end subroutine miss
+  end subroutine add_missing
 
   !> Returns the words unless the condition holds.
-  pure function unless(holds, words) result(what)
+  pure function text_unless(holds, words) result(what)
     logical, intent(in) :: holds
     character(*), intent(in) :: words
     character(sentence_length) :: what
 
     what = ''
     if (.not. holds) what = words
-  end function unless
+  end function text_unless
 
-  pure function first_of(one, other) result(words)
+  pure function first_nonblank(one, other) result(words)
     character(*), intent(in) :: one, other
     character(sentence_length) :: words
 
     words = one
     if (len_trim(one) == 0) words = other
-  end function first_of
+  end function first_nonblank
 
   !> True if the mesh is prescribed, without gears.
   pure logical function is_prescribed(reader)

@@ -6,7 +6,7 @@ module gearsweep_study_reader_values
   use gearsweep_study_reader_unit_slips, only: other_unit
   implicit none
   private
-  public :: read_numbers, tell_number, read_logical, read_texts, check_size, check_sizes, check_distinct, &
+  public :: read_numbers, shortest_digits, read_logical, read_texts, check_size, check_sizes, check_distinct, &
             describe_texts, fail_entry
 
 contains
@@ -33,9 +33,9 @@ contains
     do i = 1, size(numbers)
       ! Data frames write whole numbers as 21.0.
       call to_number(entry%values(i)%text, numbers(i), ok)
-      if (bounds%whole .and. ok) ok = abs(numbers(i)) <= huge(1) .and. abs(numbers(i) - anint(numbers(i))) <= 0
+      if (bounds%is_integer .and. ok) ok = abs(numbers(i)) <= huge(1) .and. abs(numbers(i) - anint(numbers(i))) <= 0
       if (.not. ok .or. entry%values(i)%quoted) then
-        call fail_entry(entry, 'must be '//trim(merge('an integer', 'a number  ', bounds%whole)), error)
+        call fail_entry(entry, 'must be '//trim(merge('an integer', 'a number  ', bounds%is_integer)), error)
       else if (.not. bounds%allow(numbers(i))) then
         call bounds%describe(rule)
         call other_unit(entry%key, trim(bounds%unit), bounds, numbers(i), meant)
@@ -53,7 +53,7 @@ contains
 
   !> Writes the shortest digits that `read_numbers` with this `scale` reads as `value`, bit for bit; `number` is the number in the
   !> key's unit. `found` is false if no number in this unit reads as the value.
-  pure subroutine tell_number(value, scale, words, number, found)
+  pure subroutine shortest_digits(value, scale, words, number, found)
     real(dp), intent(in) :: value, scale
     character(30), intent(out) :: words
     real(dp), intent(out) :: number
@@ -75,7 +75,7 @@ contains
         if (found) return
       end do
     end do
-  end subroutine tell_number
+  end subroutine shortest_digits
 
   !> Tests if `x` in so many digits reads as `value`.
   pure subroutine try_digits(x, digits, value, scale, words, number, found)

@@ -20,7 +20,7 @@ contains
 
   !> Warns of a load that no flank bears, usually from a torque in another unit than its key's. Rolling bearing steel, harder than
   !> that of gears, is dented permanently from 4000 MPa on in line contacts (ISO 76:2006, static load rating of roller bearings).
-  pure subroutine tell_pressure(study, lines)
+  pure subroutine check_pressure(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
     real(dp), parameter :: most = 4e9_dp, least = 4e7_dp, stiff = 1e11_dp
@@ -39,10 +39,10 @@ contains
     call lines%add(left('', 19)//'caution: &load '//key//' = '//str(given)//' makes a pressure of '//str(pressure/micro, 4)// &
                    ' MPa at the pitch point; hardened steel bears '//str(most/micro))
     if (index(key, 'torque') == 1) call lines%add(left('', 19)//'if N mm is meant, write '//str(given/1000))
-  end subroutine tell_pressure
+  end subroutine check_pressure
 
   !> Warns of masses far from those of solid discs, usually from a number in another unit than its key's.
-  pure subroutine tell_masses(study, lines)
+  pure subroutine check_masses(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
     real(dp), parameter :: most = 300, most_hub = 3e4_dp  ! a rotor on the shaft may be a motor
@@ -52,16 +52,16 @@ contains
     do i = 1, 2
       disc = solid_inertia(study%pair%gear(i), study%case%material(i)%density)
       associate (case => study%case, gear => '&'//trim(study%case%spec(i)%name)//' ')
-        call tell_mass(gear//'effective_mass_kg', case%mass(i), disc/study%pair%gear(i)%base_radius(drive)**2, most, '1000 g', &
+        call check_mass(gear//'effective_mass_kg', case%mass(i), disc/study%pair%gear(i)%base_radius(drive)**2, most, '1000 g', &
                        lines)
-        call tell_mass(gear//'inertia_kgm2', case%inertia(i), disc, most, '1e6 kg mm^2', lines)
+        call check_mass(gear//'inertia_kgm2', case%inertia(i), disc, most, '1e6 kg mm^2', lines)
         ! Any small inertia at the bore is usual.
-        call tell_mass(gear//'hub_inertia_kgm2', max(case%hub_inertia(i), 0.01_dp*disc), disc, most_hub, '1e6 kg mm^2', lines)
+        call check_mass(gear//'hub_inertia_kgm2', max(case%hub_inertia(i), 0.01_dp*disc), disc, most_hub, '1e6 kg mm^2', lines)
       end associate
     end do
-  end subroutine tell_masses
+  end subroutine check_masses
 
-  pure subroutine tell_mass(key, given, disc, most, unit, lines)
+  pure subroutine check_mass(key, given, disc, most, unit, lines)
     character(*), intent(in) :: key
     real(dp), intent(in) :: given, disc          !< value of the key, 0 if not stated; that of a disc
     real(dp), intent(in) :: most                 !< largest usual ratio to a disc
@@ -72,10 +72,10 @@ contains
     if (given <= 0 .or. (given >= least*disc .and. given <= most*disc)) return
     call lines%add(left('', 19)//'caution: '//key//' = '//str(given)//' is '//str(given/disc, 2)// &
                    ' times that of a solid disc of this gear; 1 of its unit is '//unit)
-  end subroutine tell_mass
+  end subroutine check_mass
 
   !> Warns of tables of stiffness and profile error whose numbers are likely in another unit.
-  pure subroutine tell_tables(study, table, lines)
+  pure subroutine check_tables(study, table, lines)
     type(study_t), intent(in) :: study
     type(table_t), intent(in) :: table
     type(lines_t), intent(inout) :: lines
@@ -88,7 +88,7 @@ contains
     largest = micro*max(abs(study%mesh%profile_error%maximum()), abs(study%mesh%profile_error%minimum()))
     if (largest > 0 .and. largest < least) call lines%add(left('', 19)//'caution: &mesh profile_error_file has at most '// &
       str(largest)//' um; if mm is meant, multiply by 1000')
-  end subroutine tell_tables
+  end subroutine check_tables
 
   !> Adds columns of the other inputs of ISO 6336-1, and of the stiffness by another model for comparison.
   pure subroutine add_iso_columns(study, table)
@@ -244,7 +244,7 @@ contains
       call lines%add(left('', 19)//'not in the pairs'' stiffness nor in the motion; neighbouring teeth share '// &
                      str(table%number('body_coupling_um'), 4)//' um')
     end if
-    if (table%position('felt_rotation_um') > 0) call tell_hubs(table, lines)
+    if (table%position('felt_rotation_um') > 0) call add_hub_lines(table, lines)
     call lines%put(left('Load', 19)//str(table%number('load_n'), 5)//' N on the line of action, effective masses '// &
                    str(table%number('pinion_mass_kg'), 4)//' and '//str(table%number('gear_mass_kg'), 4)//' kg ('// &
                    trim(origin(study, 1)))
@@ -254,11 +254,11 @@ contains
     call lines%add('')
     if (allocated(study%torque)) call lines%add(left('', 19)//'at '//str(study%case%torque)//' N m, the largest of torques_nm')
     if (allocated(study%pair)) then
-      call tell_pressure(study, lines)
-      call tell_masses(study, lines)
+      call check_pressure(study, lines)
+      call check_masses(study, lines)
     end if
-    call tell_tables(study, table, lines)
-    call tell_webs(study, lines)
+    call check_tables(study, table, lines)
+    call add_webs(study, lines)
     call add_decisive_inputs(study, lines)
     call lines%put(left('Natural frequency', 19)//str(table%number('natural_frequency_hz'), 5)//' Hz: the mesh excites it at '// &
                    str(table%number('resonance_rpm'), 5)//' rpm of the pinion')
@@ -364,7 +364,7 @@ contains
   end function is_webbed
 
   !> Reports the effect of rims and webs on masses and stiffness, if the case describes any.
-  pure subroutine tell_webs(study, lines)
+  pure subroutine add_webs(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
     character(:), allocatable :: words
@@ -387,11 +387,11 @@ contains
       words = words//'; not in the stiffness by '//study%case%model
     end select
     call lines%add(left('Rim and web', 19)//words)
-  end subroutine tell_webs
+  end subroutine add_webs
 
   !> Reports the part of the gear-body rotation in the motion, and the difference of one degree of freedom from the chain of all
   !> inertias.
-  pure subroutine tell_hubs(table, lines)
+  pure subroutine add_hub_lines(table, lines)
     type(table_t), intent(in) :: table
     type(lines_t), intent(inout) :: lines
     real(dp), parameter :: much = 0.01_dp
@@ -404,7 +404,7 @@ contains
     more = table%number('natural_frequency_hz')/table%number('chain_frequency_hz') - 1
     if (more > much) call lines%add(left('', 19)//'caution: its natural frequency lies '//str(100*more, 2)// &
       ' % above the chain''s, as the bodies turn too softly about these hubs')
-  end subroutine tell_hubs
+  end subroutine add_hub_lines
 
   !> Reports the inputs of the standard, and the difference to another model.
   pure subroutine add_iso(study, table, lines)

@@ -105,18 +105,18 @@ contains
     associate (angle => study%pair%gear(1)%spec%pressure_angle(drive))
       select case (name)
       case ('contact_ratio')
-        call take(study, 'geometry', 'contact_ratio', 1, value, known)
+        call read_row(study, 'geometry', 'contact_ratio', 1, value, known)
       case ('tangential_force_n')
-        call take(study, 'motion', 'load_n', 1, value, known)
+        call read_row(study, 'motion', 'load_n', 1, value, known)
         value = value*cos(angle)
       case ('radial_force_n')
-        call take(study, 'motion', 'load_n', 1, value, known)
+        call read_row(study, 'motion', 'load_n', 1, value, known)
         value = value*sin(angle)
       case ('mode_#_hz')
-        call take(study, 'modal', 'frequency_hz', n, value, known)
+        call read_row(study, 'modal', 'frequency_hz', n, value, known)
       case ('step_#_sigma_x_mpa', 'step_#_sigma_y_mpa', 'step_#_tau_xy_mpa')
         ! Each position has two rows; printed sizes are those of the coast side, the second row.
-        call take(study, 'static', name(len('step_#_') + 1:), 2*n, value, known)
+        call read_row(study, 'static', name(len('step_#_') + 1:), 2*n, value, known)
         value = abs(value)
       case default
         call beam_value(study, name, value, known)
@@ -125,7 +125,7 @@ contains
   end subroutine our_value
 
   !> Reads a row of a table's column; `known` is false if there is no such row.
-  pure subroutine take(study, table, column, row, value, known)
+  pure subroutine read_row(study, table, column, row, value, known)
     type(study_t), intent(in) :: study
     character(*), intent(in) :: table, column
     integer, intent(in) :: row
@@ -136,7 +136,7 @@ contains
     numbers = column_of(study, table, column)
     known = row <= size(numbers)
     if (known) value = numbers(row)
-  end subroutine take
+  end subroutine read_row
 
   !> Computes values of the tooth as a beam: its height is that from root to reference circle, its thickness that on the reference
   !> circle.

@@ -5,25 +5,27 @@ module gearsweep_study_run_files
     first_control, make_folder_at, open_file, read_file, reason_of, remove_folder_at, show_files, shown
   implicit none
   private
-  public :: read_text, make_folder, remove_folder, check_name, check_folder, beside, folder_of, fail_system, file_set_t
+  public :: read_text, make_folder, remove_folder, check_name, check_folder, path_in, folder_of, fail_system, file_set_t
 
   !> Largest size (bytes) of a case, a table of stiffness or a list of printed values.
   integer, parameter, public :: longest_file = 10*1000*1000
   character(*), parameter, public :: too_long = 'longer than 10 MB'
 
   !> Use: `call files%begin(folder, error)`; for each file `call files%add(name, start, text, error)`, where `start` is the
-  !> beginning of the text of such files; for each possible file that this set does not have, `call files%lacks(name, start)`; then
+  !> beginning of the text of such files; for each possible file that this set does not have,
+  !> `call files%mark_absent(name, start)`; then
   !> `call files%finish(error)`, also after a failed call: later calls do nothing after a failure. Each set has one caller; any
   !> number of sets may be open at once, also in one folder.
   type :: file_set_t
     integer(c_int) :: where(3) = -1
     logical :: begun = .false.
     character(:), allocatable :: folder
-    integer :: files = 0, lacking = 0
-    character(:), allocatable :: names, lacked  !< file names, and names with beginnings of absent files; each text ends with a NUL
+    integer :: files = 0, absent_count = 0
+    character(:), allocatable :: names           !< names of the files, each with a NUL after it
+    character(:), allocatable :: absent_names    !< names and beginnings of absent files, each with a NUL after it
     integer, allocatable :: first(:), last(:)      !< of each file's name in `names`
   contains
-    procedure :: begin, add, lacks, finish, leave
+    procedure :: begin, add, mark_absent, finish, leave
   end type file_set_t
 
 contains
@@ -150,13 +152,13 @@ contains
   end function folder_of
 
   !> Path of a file that is named relative to the folder, which has its slash.
-  pure function beside(folder, file) result(path)
+  pure function path_in(folder, file) result(path)
     character(*), intent(in) :: folder, file
     character(len(file) + merge(0, len(folder), index(file, '/') == 1)) :: path
 
     path = folder//file
     if (index(file, '/') == 1) path = file
-  end function beside
+  end function path_in
 
   !> Opens a set of files in an existing folder.
   subroutine begin(self, folder, error)
@@ -168,7 +170,7 @@ contains
     if (allocated(error)) return
     self%folder = folder
     self%names = ''
-    self%lacked = ''
+    self%absent_names = ''
     allocate (self%first(0), self%last(0))
     code = begin_files(folder//c_null_char, self%where)
     self%begun = code == 0
@@ -194,14 +196,14 @@ contains
 
   !> Marks a file that this set does not have. An existing file of this name that begins with `start` is of an earlier set: it is
   !> renamed with the ending `.old`.
-  subroutine lacks(self, name, start)
+  subroutine mark_absent(self, name, start)
     class(file_set_t), intent(inout) :: self
     character(*), intent(in) :: name, start
 
     if (.not. self%begun) return
-    self%lacking = self%lacking + 1
-    self%lacked = self%lacked//name//c_null_char//start//c_null_char
-  end subroutine lacks
+    self%absent_count = self%absent_count + 1
+    self%absent_names = self%absent_names//name//c_null_char//start//c_null_char
+  end subroutine mark_absent
 
   !> Renames the temporary files to their final names, unless a call failed.
   subroutine finish(self, error)
@@ -211,8 +213,8 @@ contains
 
     if (.not. self%begun) return
     if (.not. allocated(error)) then
-      code = show_files(self%where, int(self%files, c_int), int(self%lacking, c_int), self%names//self%lacked//c_null_char, &
-                        failed)
+      code = show_files(self%where, int(self%files, c_int), int(self%absent_count, c_int), self%names//self%absent_names// &
+                        c_null_char, failed)
       if (code < 0) call fail_system('cannot write '//self%folder//'/'// &
                                      self%names(self%first(failed):self%last(failed)), code, error)
     end if

@@ -6,7 +6,7 @@ module gearsweep_study_run_mesh_stage
   use gearsweep_elastic, only: contact_half_width, fe_options_t, fe_stiffness, on_second_grid, teeth_t
   use gearsweep_mesh, only: iso_stiffness, mesh_of, mesh_t, polynomial_stiffness, profile_table, table_stiffness, weber_stiffness
   use gearsweep_study_case_case, only: case_t
-  use gearsweep_study_run_files, only: beside, read_text
+  use gearsweep_study_run_files, only: path_in, read_text
   use gearsweep_study_run_inputs, only: elements_inputs_t, motion_inputs_t, motions_inputs_t, relief_inputs_t, same
   use gearsweep_study_run_case_variation, only: build_motion
   use gearsweep_study_run_stages, only: study_t
@@ -307,7 +307,7 @@ contains
       case ('polynomial')
         call polynomial_stiffness(mesh%contact_ratio, case%coefficients, mesh%stiffness, error)
       case ('table')
-        call read_table(beside(folder, case%file), s, values, error)
+        call read_table(path_in(folder, case%file), s, values, error)
         if (.not. allocated(error)) then
           call claim_memory(200.0_dp*size(s), '&mesh file: '//str(size(s))//' rows', error)
           ! Values out of range are refused by their row.
@@ -316,14 +316,14 @@ contains
         end if
       case default  ! the reader of the case allows no other
       end select
-      if (case%touches_beyond() .and. .not. allocated(error)) call add_corner_stiffness(study%pair, load, mesh%stiffness)
+      if (case%has_corner_contact() .and. .not. allocated(error)) call add_corner_stiffness(study%pair, load, mesh%stiffness)
       if (case%prescribed .and. .not. allocated(error)) then
         mesh%disc%shared = case%shared_compliance
         softest = 1/mesh%stiffness%maximum()
         if (mesh%disc%shared >= softest) call fail(error, code_input, '&mesh shared_compliance_um_n = '// &
           str(1e6_dp*mesh%disc%shared)//': is a part of each pair''s compliance, which falls to '//str(1e6_dp*softest)//' um/N')
         if (allocated(error) .or. .not. allocated(case%profile_error_file)) return
-        call read_table(beside(folder, case%profile_error_file), s, values, error)
+        call read_table(path_in(folder, case%profile_error_file), s, values, error)
         if (allocated(error)) return
         call claim_memory(400.0_dp*size(s), '&mesh profile_error_file: '//str(size(s))//' rows', error)
         if (.not. allocated(error)) call profile_table(mesh%contact_ratio, s, 1e-6_dp*max(-1e300_dp, min(1e300_dp, values)), &
@@ -342,7 +342,7 @@ contains
     type(mesh_t), intent(inout) :: mesh
     integer :: end, gear
 
-    if (.not. study%case%touches_beyond()) return
+    if (.not. study%case%has_corner_contact()) return
     mesh%reach = mesh%stiffness%breaks([1, size(mesh%stiffness%breaks)])
     ! Lever arms of friction are straight lines up to half of the reach; on the line of action they change by 2 pi/z per base pitch.
     if (mesh%reaches_beyond()) then
@@ -387,7 +387,7 @@ contains
       call study%running%note('mesh: pair stiffness by model fe'//trim(how))
     end if
     ! The task `mesh` reports the error of the grid.
-    if (study%case%asks('mesh') .and. .not. allocated(error)) then
+    if (study%case%requests('mesh') .and. .not. allocated(error)) then
       inputs = study%elements_inputs
       inputs%options%section = on_second_grid(inputs%options%section)
       study%second_grid = study%mesh

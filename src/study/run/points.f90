@@ -10,8 +10,8 @@ module gearsweep_study_run_points
     point_t, response_t, status_name
   implicit none
   private
-  public :: add_seen, add_several, factor_in, factor_of, known_count, speed_of, words_of, find_motion, find_point, most_rows, &
-            add_rest, add_equal_flanks, add_caution
+  public :: add_seen, add_several, factor_text, factor_of, known_count, speed_of, words_of, find_motion, find_point, most_rows, &
+            add_more_rows, add_equal_flanks, add_caution
 
   character(*), parameter, public :: of_relief = 'amount of relief', of_speed = 'speed of the pinion'
   character(*), parameter, public :: of_factor = 'dynamic factor DF: largest load of a pair over the static load; NaN '// &
@@ -52,12 +52,12 @@ contains
   end function speed_of
 
   !> Dynamic factor for the screen, or the word for none.
-  pure character(10) function factor_in(factor)
+  pure character(10) function factor_text(factor)
     real(dp), intent(in) :: factor
 
-    factor_in = right('none', 10)
-    if (.not. ieee_is_nan(factor)) factor_in = right(fixed(factor, 4), 10)
-  end function factor_in
+    factor_text = right('none', 10)
+    if (.not. ieee_is_nan(factor)) factor_text = right(fixed(factor, 4), 10)
+  end function factor_text
 
   !> Number of motions, if it is known (not 0); otherwise NaN.
   elemental real(dp) function known_count(motions)
@@ -105,15 +105,16 @@ contains
 
   !> Finds the operating point at a speed (1/min): of the attracting motions, that of largest dynamic factor that a start reaches.
   !> It therefore depends on the case alone, not on the order of the speeds in a sweep.
-  subroutine find_point(motion, rpm, accuracy, point, motions, lacks)
+  subroutine find_point(motion, rpm, accuracy, point, motions, out_of_memory)
     type(oscillator_t), intent(in) :: motion
     real(dp), intent(in) :: rpm
     type(accuracy_t), intent(in) :: accuracy
     type(point_t), intent(out) :: point
     integer, intent(out) :: motions              !< number of motions; 0: not known
-    logical, intent(out) :: lacks                !< true if out of memory
+    logical, intent(out) :: out_of_memory                !< true if out of memory
 
-    call largest_motion(motion, mesh_period(motion%mesh%teeth(1), rpm), attractor_options_t(accuracy), point, motions, lacks)
+    call largest_motion(motion, mesh_period(motion%mesh%teeth(1), rpm), attractor_options_t(accuracy), point, motions, &
+                        out_of_memory)
   end subroutine find_point
 
   !> Finds the operating point, and its motion over the path of contact.
@@ -125,21 +126,21 @@ contains
     integer, intent(out) :: motions              !< number of motions; 0: not known
     integer, intent(in), optional :: harmonics   !< number of mesh harmonics of the summary; absent: no summary
     type(point_t) :: point
-    logical :: lacks
+    logical :: out_of_memory
 
-    call find_point(motion, rpm, accuracy, point, motions, lacks)
-    if (.not. lacks) call find_response(motion, rpm, accuracy, response, point, harmonics)
-    response%lacks = response%lacks .or. lacks
+    call find_point(motion, rpm, accuracy, point, motions, out_of_memory)
+    if (.not. out_of_memory) call find_response(motion, rpm, accuracy, response, point, harmonics)
+    response%lacks = response%lacks .or. out_of_memory
   end subroutine find_motion
 
   !> Adds a line with the number of rows beyond `most_rows`, if there are any.
-  pure subroutine add_rest(rows, table, lines)
+  pure subroutine add_more_rows(rows, table, lines)
     integer, intent(in) :: rows                  !< number of all rows
     character(*), intent(in) :: table            !< name of the table that has them all
     type(lines_t), intent(inout) :: lines
 
     if (rows > most_rows) call lines%add('   and '//str(rows - most_rows)//' more in the table '//trim(table))
-  end subroutine add_rest
+  end subroutine add_more_rows
 
   !> Adds the column on equal flanks, with the same value in all rows.
   pure subroutine add_equal_flanks(pair, rows, table)

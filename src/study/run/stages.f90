@@ -31,7 +31,7 @@ module gearsweep_study_run_stages
     integer :: done = 0, all_points = 0          !< numbers of finished and of all operating points
     class(task_t), pointer :: earlier => null()  !< the same task of an earlier study, with its result
   contains
-    procedure :: tell
+    procedure :: report_progress
   end type running_t
 
   !> Products of the stages that several tasks use. Products that no requested task needs are not allocated.
@@ -76,7 +76,7 @@ module gearsweep_study_run_stages
   type, abstract, extends(task_t) :: runnable_t
   contains
     procedure(run_task), deferred :: run
-    procedure :: take_files => no_files
+    procedure :: parse_files => no_files
     procedure :: count_points
     procedure :: list_speeds, list_reliefs
   end type runnable_t
@@ -217,7 +217,7 @@ contains
   end function has_corners
 
   !> Reports that `points` more operating points are finished; `stop` is the flag of the run, whose next numbers hold the count.
-  subroutine tell(self, points, stop)
+  subroutine report_progress(self, points, stop)
     class(running_t), intent(inout) :: self
     integer, intent(in) :: points
     type(c_ptr), intent(in) :: stop
@@ -227,5 +227,5 @@ contains
     counter = counter_t(before=self%done, total=self%all_points, watch=stop)
     if (associated(self%progress)) counter%progress => self%progress
     call counter%tell()
-  end subroutine tell
+  end subroutine report_progress
 end module gearsweep_study_run_stages

@@ -8,7 +8,7 @@ module gearsweep_study_run_study
   use gearsweep_study_case_key_names, only: name_key
   use gearsweep_study_case_published, only: read_published
   use gearsweep_study_case_task, only: stage, task_info_t, task_slot_t
-  use gearsweep_study_run_files, only: beside, read_text
+  use gearsweep_study_run_files, only: path_in, read_text
   use gearsweep_study_run_inputs, only: body_inputs_t, choice_t, same, same_but_amounts, solid_inputs_t
   use gearsweep_study_run_mesh_stage, only: build_pair, mesh_and_motion
   use gearsweep_study_run_stages, only: points_of, runnable_t, study_t
@@ -24,8 +24,8 @@ contains
   !> `watch(1)` not 0 ends the run soon, whoever sets it: another thread, a signal or `progress`. The study then holds the finished
   !> results; unfinished points have the status `stopped`. `watch(2)` and `watch(3)` report the numbers of finished and of all
   !> operating points. Complete results of an `earlier` study with the same inputs are reused, with the same bits. Without
-  !> `is_told`, `watch` only ends the run, as one of many.
-  subroutine run_study(case, folder, threads, study, error, progress, watch, earlier, is_told)
+  !> `has_progress`, `watch` only ends the run, as one of many.
+  subroutine run_study(case, folder, threads, study, error, progress, watch, earlier, has_progress)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder
     integer, intent(in) :: threads
@@ -34,13 +34,13 @@ contains
     procedure(progress_of_sweep), optional :: progress
     integer(c_int), intent(inout), target, optional :: watch(3)
     type(study_t), intent(in), target, optional :: earlier
-    logical, intent(in), optional :: is_told
+    logical, intent(in), optional :: has_progress
 
     allocate (study%running)
     study%running%threads = threads
     if (present(progress)) study%running%progress => progress
     study%running%log = ''
-    if (present(is_told)) study%running%all_points = merge(0, untold, is_told)
+    if (present(has_progress)) study%running%all_points = merge(0, untold, has_progress)
     if (present(watch) .and. study%running%all_points == 0) watch(2:3) = 0
     study%case = case
     study%tasks = case%tasks
@@ -74,7 +74,7 @@ contains
     associate (case => study%case)
       if (allocated(case%published)) then
         ! Read first, so that a wrong file fails before anything is computed.
-        path = beside(folder, case%published)
+        path = path_in(folder, case%published)
         call read_text(path, text, error)
         if (.not. allocated(error)) call read_published(path, text, study%published, error)
       end if
@@ -105,7 +105,7 @@ contains
         study%rpm = speeds(study%case)
       end if
       do i = 1, size(study%tasks)
-        if (study%tasks(i)%is_wanted) &
+        if (study%tasks(i)%is_requested) &
           study%running%all_points = study%running%all_points + points_of(study%tasks(i)%task, study%stages_t)
       end do
     end if
@@ -113,7 +113,7 @@ contains
     if (allocated(error)) return
     associate (case => study%case, running => study%running)
       do i = 1, size(study%tasks)
-        if (.not. (study%tasks(i)%is_wanted .or. study%tasks(i)%info%is_always)) &
+        if (.not. (study%tasks(i)%is_requested .or. study%tasks(i)%info%is_always)) &
           call running%note(trim(study%tasks(i)%info%name)//' left out: not among the tasks')
       end do
       if (case%needs(stage%motion) .and. case%friction <= 0) call running%note('friction left out: it is 0')
@@ -130,15 +130,15 @@ contains
 
     do i = 1, size(study%tasks)
       associate (slot => study%tasks(i))
-        if (.not. (slot%is_wanted .and. allocated(slot%task%files))) cycle
+        if (.not. (slot%is_requested .and. allocated(slot%task%files))) cycle
         do k = 1, size(slot%task%files)
-          slot%task%files(k)%path = beside(folder, slot%task%files(k)%name)
+          slot%task%files(k)%path = path_in(folder, slot%task%files(k)%name)
           call read_text(slot%task%files(k)%path, slot%task%files(k)%text, error)
           if (allocated(error)) return
         end do
         select type (task => slot%task)
         class is (runnable_t)
-          call task%take_files(study%stages_t, error)
+          call task%parse_files(study%stages_t, error)
         end select
         if (allocated(error)) return
       end associate
@@ -155,13 +155,13 @@ contains
     do i = 1, size(study%tasks)
       if (allocated(error)) return
       associate (slot => study%tasks(i))
-        if (.not. (slot%is_wanted .or. (slot%info%is_always .and. allocated(study%pair)))) cycle
-        if (slot%takes(stage%body) .or. slot%takes(stage%solid) .or. slot%takes(stage%motion)) then
+        if (.not. (slot%is_requested .or. (slot%info%is_always .and. allocated(study%pair)))) cycle
+        if (slot%needs(stage%body) .or. slot%needs(stage%solid) .or. slot%needs(stage%motion)) then
           if (ends_here(study, slot%info)) cycle
         end if
       end associate
       call run_task(study, i, error, earlier)
-      if (allocated(study%running%bodies) .and. .not. any([(study%tasks(k)%takes(stage%body), k=i + 1, size(study%tasks))])) &
+      if (allocated(study%running%bodies) .and. .not. any([(study%tasks(k)%needs(stage%body), k=i + 1, size(study%tasks))])) &
         deallocate (study%running%bodies)
     end do
   end subroutine run_tasks
@@ -180,7 +180,7 @@ contains
       known = .false.
       nullify (running%earlier)
       if (present(earlier)) then
-        known = is_known(study, earlier, i)
+        known = is_current(study, earlier, i)
         if (earlier%tasks(i)%task%is_done) running%earlier => earlier%tasks(i)%task
       end if
       if (known) call take_over(earlier%tasks(i), slot, error)
@@ -197,12 +197,12 @@ contains
       end if
       if (allocated(error)) return
       if (slot%task%is_done) then
-        call running%note(slot%task%log//trim(merge(', taken over', '            ', known .or. slot%task%is_taken)))
+        call running%note(slot%task%log//trim(merge(', taken over', '            ', known .or. slot%task%is_reused)))
         study%stopped = study%stopped .or. slot%task%is_stopped
-        if (.not. slot%is_wanted .or. slot%task%is_stopped) return
+        if (.not. slot%is_requested .or. slot%task%is_stopped) return
         before = before + points_of(slot%task, study%stages_t)
         ! Tasks without progress of their own report all their points here.
-        if (.not. known) call running%tell(before - running%done, study%accuracy%steady%stop)
+        if (.not. known) call running%report_progress(before - running%done, study%accuracy%steady%stop)
         running%done = before
       else
         study%stopped = .true.
@@ -213,25 +213,25 @@ contains
 
   !> True if the earlier study has complete results of this task, from the same keys and from the same products of all stages that
   !> it needs. Cheap results are recomputed.
-  pure logical function is_known(study, earlier, i) result(known)
+  pure logical function is_current(study, earlier, i) result(known)
     type(study_t), intent(in) :: study, earlier
     integer, intent(in) :: i                     ! index of the task
 
     associate (slot => study%tasks(i), before => earlier%tasks(i))
-      known = before%is_wanted .and. before%given == slot%given
-      if (known) known = slot%takes(stage%mesh) .or. slot%takes(stage%body) .or. slot%takes(stage%solid)
+      known = before%is_requested .and. before%key_text == slot%key_text
+      if (known) known = slot%needs(stage%mesh) .or. slot%needs(stage%body) .or. slot%needs(stage%solid)
       if (known) known = before%task%is_done .and. .not. before%task%is_stopped
       if (known) known = slot%task%has_same_files(before%task)
       if (known) known = same_gears(study, earlier, slot)
-      if (known .and. slot%takes(stage%mesh)) known = same_but_amounts(study%motions_inputs, earlier%motions_inputs) .and. &
+      if (known .and. slot%needs(stage%mesh)) known = same_but_amounts(study%motions_inputs, earlier%motions_inputs) .and. &
                                                       same_torques(study, earlier)
-      if (known .and. slot%takes(stage%reliefs)) known = same(maxval(study%amount), maxval(earlier%amount))
-      if (known .and. slot%takes(stage%amounts)) known = same(study%amount, earlier%amount)
-      if (known .and. slot%takes(stage%accuracy)) known = same(choice_of(study), choice_of(earlier))
-      if (known .and. slot%takes(stage%speeds)) known = same(study%rpm, earlier%rpm)
-      if (known .and. slot%takes(stage%direction)) known = study%direction == earlier%direction
+      if (known .and. slot%needs(stage%reliefs)) known = same(maxval(study%amount), maxval(earlier%amount))
+      if (known .and. slot%needs(stage%amounts)) known = same(study%amount, earlier%amount)
+      if (known .and. slot%needs(stage%accuracy)) known = same(choice_of(study), choice_of(earlier))
+      if (known .and. slot%needs(stage%speeds)) known = same(study%rpm, earlier%rpm)
+      if (known .and. slot%needs(stage%direction)) known = study%direction == earlier%direction
     end associate
-  end function is_known
+  end function is_current
 
   !> True if the torques are the same, for a task that uses several.
   pure logical function same_torques(study, earlier) result(known)
@@ -250,16 +250,16 @@ contains
     type(task_slot_t), intent(in) :: slot
 
     known = .true.
-    if (slot%takes(stage%body)) known = same(study%body_inputs, earlier%body_inputs)
-    if (slot%takes(stage%solid)) known = known .and. same(study%solid_inputs, earlier%solid_inputs)
+    if (slot%needs(stage%body)) known = same(study%body_inputs, earlier%body_inputs)
+    if (slot%needs(stage%solid)) known = known .and. same(study%solid_inputs, earlier%solid_inputs)
     associate (a => study%material, b => earlier%material)
-      if (known .and. slot%takes(stage%elasticity)) known = same([a%young, a%poisson], [b%young, b%poisson])
-      if (known .and. slot%takes(stage%density)) known = same([a%density], [b%density])
+      if (known .and. slot%needs(stage%elasticity)) known = same([a%young, a%poisson], [b%young, b%poisson])
+      if (known .and. slot%needs(stage%density)) known = same([a%density], [b%density])
     end associate
     associate (a => study%iso, b => earlier%iso)
-      if (known .and. slot%takes(stage%rims)) known = same([a%application_factor, a%rim_thickness], &
+      if (known .and. slot%needs(stage%rims)) known = same([a%application_factor, a%rim_thickness], &
                                                        [b%application_factor, b%rim_thickness])
-      if (known .and. slot%takes(stage%webs)) known = same([a%web_thickness], [b%web_thickness])
+      if (known .and. slot%needs(stage%webs)) known = same([a%web_thickness], [b%web_thickness])
     end associate
   end function same_gears
 

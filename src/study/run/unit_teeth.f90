@@ -4,7 +4,7 @@ module gearsweep_study_run_unit_teeth
   use gearsweep_base, only: dp, error_t, pi
   use gearsweep_elastic, only: find_tooth_modes, tooth_modes_t
   use gearsweep_rating, only: damp_modes, damping_t
-  use gearsweep_study_reader_reader, only: first_of, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, reader_t, sentence_length, text_unless
   use gearsweep_study_run_stages, only: stages_t
   implicit none
   private
@@ -29,23 +29,24 @@ contains
     character(sentence_length) :: by_ratio
     logical :: has_alpha, has_beta
 
-    call reader%get(group, 'modes', self%modes, error, at_least=1, at_most=1000, tasks=group, refused=geared, &
+    call reader%get(group, 'modes', self%modes, error, at_least=1, at_most=1000, tasks=group, not_allowed=geared, &
                     meaning='natural modes of the section that move, from the lowest')
-    call reader%get(group, 'rayleigh_alpha_1_s', self%damping%alpha, error, unit='1/s', given=has_alpha, tasks=group, &
-                    refused=geared, at_least=-1e9_dp, at_most=1e9_dp, otherwise='none, or 0 with rayleigh_beta_s', &
+    call reader%get(group, 'rayleigh_alpha_1_s', self%damping%alpha, error, unit='1/s', is_stated=has_alpha, tasks=group, &
+                    not_allowed=geared, at_least=-1e9_dp, at_most=1e9_dp, default_note='none, or 0 with rayleigh_beta_s', &
                     meaning='alpha of damping by Rayleigh: mass times alpha plus stiffness times beta')
-    call reader%get(group, 'rayleigh_beta_s', self%damping%beta, error, unit='s', given=has_beta, tasks=group, &
-                    refused=geared, at_least=0.0_dp, at_most=1.0_dp, otherwise='none, or 0 with rayleigh_alpha_1_s', &
+    call reader%get(group, 'rayleigh_beta_s', self%damping%beta, error, unit='s', is_stated=has_beta, tasks=group, &
+                    not_allowed=geared, at_least=0.0_dp, at_most=1.0_dp, default_note='none, or 0 with rayleigh_alpha_1_s', &
                     meaning='beta of damping by Rayleigh')
     self%damping%is_rayleigh = has_alpha .or. has_beta
-    by_ratio = first_of(geared, unless(.not. self%damping%is_rayleigh, 'damping by Rayleigh is given; remove one of the two'))
+    by_ratio = first_nonblank(geared, text_unless(.not. self%damping%is_rayleigh, &
+                              'damping by Rayleigh is given; remove one of the two'))
     ! The resonances of an undamped mode are unbounded, but its response to a passing load is not.
     call reader%get(group, 'damping_ratio', self%damping%ratio, error, at_least=merge(1e-6_dp, 0.0_dp, group == 'harmonic'), &
                     at_most=1e3_dp, tasks=group, &
-                    refused=by_ratio, meaning='damping ratio of every mode')
+                    not_allowed=by_ratio, meaning='damping ratio of every mode')
     allocate (self%tangent, source=[pi/6])
     call reader%get(group, 'tangent_deg', self%tangent, error, unit='deg', above=0.0_dp, below=90.0_dp, min_size=1, &
-                    max_size=20, tasks=group, refused=geared, &
+                    max_size=20, tasks=group, not_allowed=geared, &
                     meaning='points of the fillets that the tables show, by the angle between the tangent there and the axis '// &
                     'of the tooth; they must lie on the fillet')
   end subroutine read_keys

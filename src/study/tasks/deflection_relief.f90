@@ -12,10 +12,10 @@ module gearsweep_study_tasks_deflection_relief
     sweep_options_t, sweep_t, worst_of
   use gearsweep_rating, only: formula_deflection, formula_deflection_t, formula_relief
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_case_variation, only: case_variation_t, largest_relief, relief_start, with_relief
   use gearsweep_study_run_inputs, only: motions_inputs_t
-  use gearsweep_study_run_points, only: factor_in, factor_of, of_worst, speed_of
+  use gearsweep_study_run_points, only: factor_of, factor_text, of_worst, speed_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
   private
@@ -193,7 +193,7 @@ contains
     info = task_info_t(group, needs=[stage%geometry, stage%elasticity, stage%mesh, stage%reliefs, stage%motion, stage%losses, &
                                      stage%accuracy, stage%speeds, stage%direction], &
                        tables='deflection_relief relief_deflection relief_curve relief_flank', fields='', &
-                       gives='tip relief from the deflection of the teeth, by formula and by finite elements, beside the '// &
+                       summary='tip relief from the deflection of the teeth, by formula and by finite elements, beside the '// &
                        'reliefs of least transmission error and least dynamic factor')
   end subroutine describe
 
@@ -205,17 +205,17 @@ contains
     character(sentence_length) :: geared
     integer :: i
 
-    geared = unless(.not. is_prescribed(reader), needs_gears)
+    geared = text_unless(.not. is_prescribed(reader), needs_gears)
     call reader%add_group(group, 'The task deflection_relief: tip relief from the deflection under load.')
     point = trim(self%point)
-    call reader%get(group, 'point', point, error, tasks=group, refused=geared, allowed=[character(5) :: 'tip', 'hpstc'], &
+    call reader%get(group, 'point', point, error, tasks=group, not_allowed=geared, allowed=[character(5) :: 'tip', 'hpstc'], &
                     meaning='where the whole load bends each tooth: at its tip, or at its outer point of single contact, D of '// &
                     'the pinion and B of the gear (hpstc)')
     self%point = point
     do i = 1, 2
       call reader%get(group, trim(gear_names(i))//'_diameter_mm', self%flank(i)%diameter, error, unit='mm', tasks=group, &
-                      refused=geared, above=0.0_dp, at_most=1e6_dp, min_size=1, max_size=10000, &
-                      otherwise='ten, from where relief begins to the tip in equal steps of the roll angle', &
+                      not_allowed=geared, above=0.0_dp, at_most=1e6_dp, min_size=1, max_size=10000, &
+                      default_note='ten, from where relief begins to the tip in equal steps of the roll angle', &
                       meaning='diameters of the '//trim(gear_names(i))//'''s flank at which relief_flank has the relief')
     end do
   end subroutine read_keys
@@ -412,7 +412,7 @@ contains
       do i = 1, table%rows
         call lines%put('   '//left(trim(table%word('method', i)), 20)//right(str(table%number('pinion_relief_um', i), 4), 11)// &
                        right(str(table%number('gear_relief_um', i), 4), 12)//right(str(table%number('ste_range_um', i), 4), 15)// &
-                       factor_in(table%number('worst_dynamic_factor', i)))
+                       factor_text(table%number('worst_dynamic_factor', i)))
         if (ieee_is_nan(table%number('rpm', i))) call lines%add('')
         if (.not. ieee_is_nan(table%number('rpm', i))) call lines%add(right(str(table%number('rpm', i)), 12))
       end do

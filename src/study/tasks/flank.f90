@@ -9,7 +9,7 @@ module gearsweep_study_tasks_flank
   use gearsweep_rating, only: contact_t, even_load_factor, flank_contact, friction_rule_t, half_shares_factor, mean_friction, &
     surfaces_t
   use gearsweep_study_case_task, only: case_facts_t, check_reliefs, needs_moving, stage, task_info_t
-  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_flank_paths, only: angular, follow_motion, follow_static, path_t
   use gearsweep_study_run_points, only: add_several, find_motion, known_count, of_estimate, of_factor, of_motions, of_relief, &
     of_speed, of_status, words_of
@@ -41,7 +41,7 @@ contains
     type(task_info_t), intent(out) :: info
 
     info = task_info_t(group, needs=stages_needed, tables='flank flank_losses', fields='', &
-                       gives='sliding, Hertz pressure, flash temperature, film and friction along the path, and the efficiency')
+                       summary='sliding, Hertz pressure, flash temperature, film and friction along the path, and the efficiency')
   end subroutine describe
 
   !> The motion is needed for the dynamic load only.
@@ -61,34 +61,35 @@ contains
     real(dp), allocatable :: conductivity(:), specific_heat(:)
 
     call reader%add_group(group, 'The task flank: what happens between the flanks in contact, and what friction costs.')
-    geared = unless(.not. is_prescribed(reader), needs_gears)
-    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
+    geared = text_unless(.not. is_prescribed(reader), needs_gears)
+    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, not_allowed=geared, &
                     at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
     call self%read_reliefs(reader, group, error)
-    call reader%get(group, 'dynamic_load', self%dynamic_load, error, tasks=group, refused=geared, &
+    call reader%get(group, 'dynamic_load', self%dynamic_load, error, tasks=group, not_allowed=geared, &
                     meaning='beside the static load, which stiffness and relief share, also that of the motion at each speed')
-    call reader%get(group, 'friction_coefficient', self%rule%coefficient, error, given=stated, tasks=group, refused=geared, &
-                    at_least=0.0_dp, below=1.0_dp, otherwise='the mean one by ISO/TR 14179-2, from speed, load, oil and '// &
+    call reader%get(group, 'friction_coefficient', self%rule%coefficient, error, is_stated=stated, tasks=group, &
+                    not_allowed=geared, &
+                    at_least=0.0_dp, below=1.0_dp, default_note='the mean one by ISO/TR 14179-2, from speed, load, oil and '// &
                     'roughness', meaning='coefficient of friction between the flanks, the same all along the path')
-    by_formula = first_of(geared, unless(.not. stated, 'friction_coefficient is given; remove one of the two'))
-    call reader%get(group, 'roughness_um', self%rule%roughness, error, unit='um', tasks=group, refused=by_formula, &
+    by_formula = first_nonblank(geared, text_unless(.not. stated, 'friction_coefficient is given; remove one of the two'))
+    call reader%get(group, 'roughness_um', self%rule%roughness, error, unit='um', tasks=group, not_allowed=by_formula, &
                     at_least=1e-3_dp, at_most=100.0_dp, &
                     meaning='arithmetic mean roughness Ra of both flanks, for the coefficient of friction')
-    call reader%get(group, 'oil_factor', self%rule%oil_factor, error, tasks=group, refused=by_formula, at_least=0.1_dp, &
+    call reader%get(group, 'oil_factor', self%rule%oil_factor, error, tasks=group, not_allowed=by_formula, at_least=0.1_dp, &
                     at_most=10.0_dp, meaning='X_L of the oil, for the coefficient of friction: 1 for mineral oil')
     associate (surfaces => self%surfaces)
-      call reader%get(group, 'viscosity_mpa_s', surfaces%viscosity, error, unit='mPa s', tasks=group, refused=geared, &
+      call reader%get(group, 'viscosity_mpa_s', surfaces%viscosity, error, unit='mPa s', tasks=group, not_allowed=geared, &
                       at_least=1e-3_dp, at_most=1e6_dp, meaning='dynamic viscosity of the oil at the temperature at which it '// &
                       'enters the contact, for the film and the coefficient of friction')
       call reader%get(group, 'pressure_viscosity_1_gpa', surfaces%pressure_viscosity, error, unit='1/GPa', tasks=group, &
-                      refused=geared, at_least=0.1_dp, at_most=1000.0_dp, &
+                      not_allowed=geared, at_least=0.1_dp, at_most=1000.0_dp, &
                       meaning='pressure-viscosity coefficient of the oil, for the film')
       conductivity = surfaces%conductivity(:1)
       specific_heat = surfaces%specific_heat(:1)
-      call reader%get(group, 'conductivity_w_mk', conductivity, error, unit='W/(m K)', tasks=group, refused=geared, &
+      call reader%get(group, 'conductivity_w_mk', conductivity, error, unit='W/(m K)', tasks=group, not_allowed=geared, &
                       at_least=1e-3_dp, at_most=1e4_dp, min_size=1, max_size=2, &
                       meaning='thermal conductivity of both gears, or of pinion and gear, for the flash temperature')
-      call reader%get(group, 'specific_heat_j_kgk', specific_heat, error, unit='J/(kg K)', tasks=group, refused=geared, &
+      call reader%get(group, 'specific_heat_j_kgk', specific_heat, error, unit='J/(kg K)', tasks=group, not_allowed=geared, &
                       at_least=1.0_dp, at_most=1e5_dp, min_size=1, max_size=2, &
                       meaning='specific heat capacity of both gears, or of pinion and gear, for the flash temperature')
       surfaces%conductivity = conductivity([1, size(conductivity)])
@@ -148,7 +149,7 @@ contains
           call find_motion(motion, static%rpm, stages%accuracy, response, paths(n)%motions)
           call follow_motion(stages%pair, response, stages%load, '&flank rpm', paths(n), error)
           if (allocated(error)) return
-          call stages%running%tell(1, stages%accuracy%steady%stop)
+          call stages%running%report_progress(1, stages%accuracy%steady%stop)
         end do
       end associate
     end do

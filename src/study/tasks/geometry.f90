@@ -24,7 +24,7 @@ contains
 
     info = task_info_t('geometry', needs=[stage%geometry], tables='geometry gears contact_points outline', fields='', &
                        is_always=.true., &
-                       gives='diameters, centre distance, working pressure angle, path of contact; outlines of both gears')
+                       summary='diameters, centre distance, working pressure angle, path of contact; outlines of both gears')
   end subroutine describe
 
   !> The task has no keys.
@@ -33,7 +33,7 @@ contains
     type(reader_t), intent(inout) :: reader
     type(error_t), allocatable, intent(inout) :: error
 
-    if (.not. allocated(error)) self%is_named = reader%wants('geometry')
+    if (.not. allocated(error)) self%is_named = reader%requests('geometry')
   end subroutine read_keys
 
   subroutine run(self, stages, error)

@@ -6,8 +6,8 @@ module gearsweep_study_tasks_harmonic
   use gearsweep_elastic, only: along, find_peak, frequencies_around, moved_x, moved_y, per_point, response_to, stress_error_share, &
     tooth_modes_t
   use gearsweep_study_case_task, only: stage, task_info_t
-  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, unless
-  use gearsweep_study_run_points, only: add_rest, most_rows
+  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, text_unless
+  use gearsweep_study_run_points, only: add_more_rows, most_rows
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   use gearsweep_study_run_unit_teeth, only: find_unit_teeth, tooth_choice_t
   implicit none
@@ -176,7 +176,7 @@ contains
 
     info = task_info_t(group, needs=[stage%geometry, stage%section, stage%body, stage%mesh], &
                        tables='harmonic section_resonances campbell', &
-                       fields='', gives='root stress of one gear over the frequency of its load, resonances, and the speeds '// &
+                       fields='', summary='root stress of one gear over the frequency of its load, resonances, and the speeds '// &
                        'that meet them')
   end subroutine describe
 
@@ -188,18 +188,18 @@ contains
     integer :: i
 
     call reader%add_group(group, 'The task harmonic: root stress under a load of steady frequency.')
-    geared = unless(.not. is_prescribed(reader), needs_gears)
-    call reader%get(group, 'frequency_hz', self%frequency, error, unit='Hz', required=.true., tasks=group, refused=geared, &
+    geared = text_unless(.not. is_prescribed(reader), needs_gears)
+    call reader%get(group, 'frequency_hz', self%frequency, error, unit='Hz', required=.true., tasks=group, not_allowed=geared, &
                     at_least=0.0_dp, at_most=1e9_dp, max_size=10000, &
                     meaning='frequencies of the load, ascending; those that resolve the response and each resonance between '// &
                     'the first and the last are added')
     call self%choice%read_keys(reader, group, geared, error)
-    call reader%get(group, 's', self%s, error, tasks=group, refused=geared, at_least=0.0_dp, at_most=20.0_dp, max_size=100, &
-                    otherwise='the outermost point at which the fewest pairs are in contact', &
+    call reader%get(group, 's', self%s, error, tasks=group, not_allowed=geared, at_least=0.0_dp, at_most=20.0_dp, max_size=100, &
+                    default_note='the outermost point at which the fewest pairs are in contact', &
                     meaning='places of the load, as path coordinates in base pitches from A, at most the contact ratio')
-    call reader%get(group, 'amplitude_n', self%amplitude, error, unit='N', tasks=group, refused=geared, above=0.0_dp, &
-                    at_most=1e12_dp, otherwise='the static load', meaning='amplitude of the load')
-    call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, refused=geared, at_least=1, at_most=100, &
+    call reader%get(group, 'amplitude_n', self%amplitude, error, unit='N', tasks=group, not_allowed=geared, above=0.0_dp, &
+                    at_most=1e12_dp, default_note='the static load', meaning='amplitude of the load')
+    call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, not_allowed=geared, at_least=1, at_most=100, &
                     meaning='harmonics of the mesh frequency in the table campbell')
     if (.not. allocated(self%frequency) .or. allocated(error)) return
     do i = 2, size(self%frequency)
@@ -295,7 +295,7 @@ contains
                        right(str(peaks%number('peak_frequency_hz', i), 6), 12)//right(str(peaks%number('stress_mpa', i), 4), 13)// &
                        right(str(peaks%number('amplification', i), 3), 16))
       end do
-      call add_rest(peaks%rows, peaks%name, lines)
+      call add_more_rows(peaks%rows, peaks%name, lines)
     end associate
   end subroutine add_report
 end module gearsweep_study_tasks_harmonic

@@ -9,7 +9,7 @@ module gearsweep_study_tasks_life
   use gearsweep_rating, only: by_gerber, by_goodman, by_iso, by_soderberg, contact_stress, curve_t, damage_of, dynamic_factor_a, &
     load_factors_t, material_length, no_grade, nominal_of, nominal_t, root_life, root_life_t, sn_curve, strength_t
   use gearsweep_study_case_task, only: case_facts_t, check_reliefs, gear_names, needs_moving, stage, task_info_t
-  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_case_variation, only: case_variation_t, vary_force
   use gearsweep_study_run_flank_paths, only: follow_motion, follow_static, path_t
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_motion, known_count, of_factor, &
@@ -282,7 +282,7 @@ contains
     type(task_info_t), intent(out) :: info
 
     info = task_info_t(group, needs=stages_needed, tables='life life_parts life_curve contact_curve', fields='', &
-                       gives='how long tooth roots and flanks last under a load spectrum, by S-N curves and Miner''s sum')
+                       summary='how long tooth roots and flanks last under a load spectrum, by S-N curves and Miner''s sum')
   end subroutine describe
 
   !> The motion is needed for the dynamic load only, the elasticity for the contact stress.
@@ -302,32 +302,32 @@ contains
     integer, parameter :: most = 1000
 
     call reader%add_group(group, 'The task life: fatigue of tooth roots and flanks under a load spectrum.')
-    geared = unless(.not. is_prescribed(reader), needs_gears)
-    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
+    geared = text_unless(.not. is_prescribed(reader), needs_gears)
+    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, not_allowed=geared, &
                     at_least=1e-6_dp, at_most=1e9_dp, max_size=most, &
                     meaning='speed of the pinion in each part of the load spectrum')
-    call reader%get(group, 'load_factor', self%load_factor, error, tasks=group, refused=geared, at_least=1e-6_dp, &
-                    at_most=1e6_dp, max_size=most, otherwise='1 in each part', &
+    call reader%get(group, 'load_factor', self%load_factor, error, tasks=group, not_allowed=geared, at_least=1e-6_dp, &
+                    at_most=1e6_dp, max_size=most, default_note='1 in each part', &
                     meaning='load of each part over that of the case')
-    call reader%get(group, 'duration_h', self%duration, error, unit='h', required=.true., tasks=group, refused=geared, &
+    call reader%get(group, 'duration_h', self%duration, error, unit='h', required=.true., tasks=group, not_allowed=geared, &
                     above=0.0_dp, at_most=1e12_dp, max_size=most, &
                     meaning='how long each part lasts within one pass of the spectrum')
     call self%read_reliefs(reader, group, error)
-    call reader%get(group, 'dynamic_load', self%rule%dynamic_load, error, tasks=group, refused=geared, &
+    call reader%get(group, 'dynamic_load', self%rule%dynamic_load, error, tasks=group, not_allowed=geared, &
                     meaning='the load of the motion at each speed; false: the static load, as stiffness and relief share it')
-    call reader%get(group, 'stress_factor', self%rule%stress_factor, error, tasks=group, refused=geared, at_least=0.01_dp, &
+    call reader%get(group, 'stress_factor', self%rule%stress_factor, error, tasks=group, not_allowed=geared, at_least=0.01_dp, &
                     at_most=100.0_dp, meaning='what raises the root stress beside K_A and the dynamic load: K_F_beta K_F_alpha')
-    call reader%get(group, 'stress_ratio', self%rule%stress_ratio, error, tasks=group, refused=geared, at_least=-10.0_dp, &
+    call reader%get(group, 'stress_ratio', self%rule%stress_ratio, error, tasks=group, not_allowed=geared, at_least=-10.0_dp, &
                     at_most=0.0_dp, meaning='least stress of a revolution over its largest: 0 for teeth loaded on one flank, '// &
                     '-1 or less for an idler, whose teeth are loaded on both')
     call self%read_curves(reader, geared, error)
   end subroutine read_keys
 
   !> Reads the rule for the mean stress, for an S-N curve of the case.
-  subroutine read_strength(self, reader, refused, error)
+  subroutine read_strength(self, reader, not_allowed, error)
     class(life_task_t), intent(inout) :: self
     type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: refused          ! reason why none of its keys is allowed, or blank
+    character(*), intent(in) :: not_allowed          ! reason why none of its keys is allowed, or blank
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: rules(0:3) = [character(9) :: 'none', 'goodman', 'gerber', 'soderberg']
     character(:), allocatable :: rule
@@ -335,21 +335,21 @@ contains
     real(dp) :: tensile, yield_point
 
     rule = 'goodman'
-    call reader%get(group, 'mean_stress', rule, error, tasks=group, refused=refused, allowed=rules, &
+    call reader%get(group, 'mean_stress', rule, error, tasks=group, not_allowed=not_allowed, allowed=rules, &
                     meaning='how the mean stress of a cycle counts, with curve_cycles')
     self%rule%strength%rule = findloc(rules == rule, .true., 1) - 1
     associate (number => self%rule%strength(1)%rule)
-      no_tensile = first_of(refused, unless(any(number == [by_goodman, by_gerber]), &
+      no_tensile = first_nonblank(not_allowed, text_unless(any(number == [by_goodman, by_gerber]), &
                                             'mean_stress is neither goodman nor gerber; remove it'))
-      no_yield = first_of(refused, unless(number == by_soderberg, 'mean_stress is not soderberg; remove it'))
+      no_yield = first_nonblank(not_allowed, text_unless(number == by_soderberg, 'mean_stress is not soderberg; remove it'))
     end associate
     tensile = 0
     yield_point = 0
-    call reader%get(group, 'tensile_strength_mpa', tensile, error, unit='MPa', tasks=group, refused=no_tensile, &
+    call reader%get(group, 'tensile_strength_mpa', tensile, error, unit='MPa', tasks=group, not_allowed=no_tensile, &
                     required=len_trim(no_tensile) == 0, above=0.0_dp, at_most=1e6_dp, &
-                    otherwise='required by goodman and gerber', meaning='tensile strength R_m')
-    call reader%get(group, 'yield_strength_mpa', yield_point, error, unit='MPa', tasks=group, refused=no_yield, &
-                    required=len_trim(no_yield) == 0, above=0.0_dp, at_most=1e6_dp, otherwise='required by soderberg', &
+                    default_note='required by goodman and gerber', meaning='tensile strength R_m')
+    call reader%get(group, 'yield_strength_mpa', yield_point, error, unit='MPa', tasks=group, not_allowed=no_yield, &
+                    required=len_trim(no_yield) == 0, above=0.0_dp, at_most=1e6_dp, default_note='required by soderberg', &
                     meaning='yield strength R_e')
     self%rule%strength%limit = merge(yield_point, tensile, self%rule%strength(1)%rule == by_soderberg)
   end subroutine read_strength
@@ -368,18 +368,18 @@ contains
 
     call read_material(reader, geared, self%limits, error)
     call read_load_factors(reader, geared, self%limits%has_material(), self%rule%factors, error)
-    call reader%get(group, 'curve_cycles', cycles, error, tasks=group, given=has(1), refused=geared, &
-                    at_least=1.0_dp, at_most=1e30_dp, max_size=most, otherwise='the S-N curve of &rating material', &
+    call reader%get(group, 'curve_cycles', cycles, error, tasks=group, is_stated=has(1), not_allowed=geared, &
+                    at_least=1.0_dp, at_most=1e30_dp, max_size=most, default_note='the S-N curve of &rating material', &
                     meaning='cycles to failure at the points of an S-N curve of the tooth root, ascending, in place of that of '// &
                     '&rating material')
-    call reader%get(group, 'curve_stress_mpa', stress, error, unit='MPa', tasks=group, given=has(2), refused=geared, &
-                    above=0.0_dp, at_most=1e6_dp, max_size=most, otherwise='the S-N curve of &rating material', &
+    call reader%get(group, 'curve_stress_mpa', stress, error, unit='MPa', tasks=group, is_stated=has(2), not_allowed=geared, &
+                    above=0.0_dp, at_most=1e6_dp, max_size=most, default_note='the S-N curve of &rating material', &
                     meaning='stress amplitude at these points, fully reversed, descending')
     is_endless = .true.
     call reader%get(group, 'endless', is_endless, error, tasks=group, &
-                    refused=first_of(geared, unless(any(has), of_own)), &
+                    not_allowed=first_nonblank(geared, text_unless(any(has), of_own)), &
                     meaning='amplitudes below the last point of the curve do no harm; false: its last line goes on')
-    call self%read_strength(reader, first_of(geared, unless(any(has), of_own)), error)
+    call self%read_strength(reader, first_nonblank(geared, text_unless(any(has), of_own)), error)
     if (allocated(error)) return
     if (has(1) .neqv. has(2)) then
       call fail(error, code_input, '&life curve_'//trim(merge('stress_mpa', 'cycles    ', has(1)))// &
@@ -458,7 +458,7 @@ contains
         call follow_part(stages, which(i), self%own_rpm(k), self%load_factor(k), self%duration(k), self%rule, &
                          parts(k, i), error)
         if (allocated(error)) return
-        if (self%rule%dynamic_load) call stages%running%tell(1, stages%accuracy%steady%stop)
+        if (self%rule%dynamic_load) call stages%running%report_progress(1, stages%accuracy%steady%stop)
       end do
     end do
     spectrum = spectrum_t(self%own_rpm, self%load_factor, self%duration)

@@ -7,8 +7,8 @@ module gearsweep_study_tasks_load
   use gearsweep_motion, only: find_corner_estimate, find_torque, has_result, mesh_period, mesh_torque_t, point_t, response_t, &
     spectrum_t, status_stopped, trace_motion, trace_t
   use gearsweep_study_case_task, only: case_facts_t, gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, unless
-  use gearsweep_study_run_points, only: add_several, factor_in, find_motion, known_count, of_coast, of_corner, of_estimate, &
+  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, text_unless
+  use gearsweep_study_run_points, only: add_several, factor_text, find_motion, known_count, of_coast, of_corner, of_estimate, &
     of_factor, of_motions, of_periods, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
@@ -26,7 +26,7 @@ module gearsweep_study_tasks_load
     type(spectrum_t) :: half(2)                  !< spectra of the forces with half as many steps
     !> Error of the forces apart from the steps, N, as the motion only nearly repeats; NaN for a method whose steps have no error
     !> estimate.
-    real(dp) :: left_open = 0
+    real(dp) :: other_error = 0
   end type torque_run_t
 
   integer, parameter :: time_columns = 10
@@ -51,7 +51,7 @@ contains
     info = task_info_t('load', needs=[stage%geometry, stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, &
                                       stage%accuracy], &
                        tables='load load_points motion_harmonics torque torque_points torque_harmonics', fields='', &
-                       gives='load of one pair along its path at chosen speeds, harmonics, coast load, impacts; with '// &
+                       summary='load of one pair along its path at chosen speeds, harmonics, coast load, impacts; with '// &
                        'load_torque the torques of both gears over time')
   end subroutine describe
 
@@ -75,7 +75,7 @@ contains
     call reader%get('sweep', 'motion_harmonics', self%harmonics, error, tasks='load', at_least=1, at_most=1000, &
                     meaning='harmonics of the mesh frequency in the tables motion_harmonics and torque_harmonics')
     call reader%get('sweep', 'load_torque', self%with_torque, error, tasks='load', &
-                    refused=unless(.not. is_prescribed(reader), needs_gears), &
+                    not_allowed=text_unless(.not. is_prescribed(reader), needs_gears), &
                     meaning='true: the task load also follows the torque that the mesh takes from the pinion and gives to the '// &
                     'gear (tables torque, torque_points and torque_harmonics)')
   end subroutine read_keys
@@ -128,7 +128,7 @@ contains
             if (allocated(error)) return
           end if
           if (size(corner) > 0) call find_corner_estimate(motion(i), rpm(k), accuracy, corner(i, k), response(i, k)%point)
-          call stages%running%tell(1, accuracy%steady%stop)
+          call stages%running%report_progress(1, accuracy%steady%stop)
         end do
       end do
     end associate
@@ -310,7 +310,7 @@ contains
         do i = 1, points%extent(1)
           row = (i - 1)*points%extent(2) + k
           call lines%put(right(str(points%number('relief_um', row)), 12)//right(str(points%number('rpm', row)), 12)// &
-                         factor_in(points%number('dynamic_factor', row)))
+                         factor_text(points%number('dynamic_factor', row)))
           if (.not. ieee_is_nan(points%number('dynamic_factor', row))) then
             call lines%put(right(str(points%number('error_estimate', row), 2), 15))
           else
@@ -409,7 +409,7 @@ contains
         associate (force => runs(i)%mesh%force(gear), half => runs(i)%half(gear))
           figures(:3) = [force%mean, force%least, force%largest]
           ! Three times the change: where in its step an extreme lies is chance.
-          figures(4) = 3*maxval(abs(figures(:3) - [half%mean, half%least, half%largest])) + runs(i)%left_open
+          figures(4) = 3*maxval(abs(figures(:3) - [half%mean, half%least, half%largest])) + runs(i)%other_error
           figures(5) = runs(i)%mesh%mean_friction(gear)
         end associate
         values(i, :, gear) = radius(gear)*figures
@@ -463,7 +463,7 @@ contains
       if (has_rows(runs(i))) then
         do gear = 1, 2
           values(from:from + n, 3*gear + 2:3*gear + 4) = &
-            spectrum_of(runs(i)%mesh%force(gear), runs(i)%half(gear), runs(i)%left_open, radius(gear))
+            spectrum_of(runs(i)%mesh%force(gear), runs(i)%half(gear), runs(i)%other_error, radius(gear))
         end do
       end if
       from = from + n + 1
@@ -528,23 +528,23 @@ contains
     type(error_t), allocatable, intent(inout) :: error   !< out of memory
     type(trace_t), allocatable :: trace(:)
     type(mesh_torque_t) :: half
-    logical :: lacks
+    logical :: out_of_memory
 
     associate (motion => stages%motion(relief), accuracy => stages%accuracy)
       run%relief = stages%amount(relief)
       run%rpm = rpm
       run%period = mesh_period(motion%mesh%teeth(1), rpm)
       if (.not. has_result(run%point%steady%status)) return
-      run%left_open = stages%load*(accuracy%steady%tolerance + run%point%estimate - run%point%step_error)
-      call trace_motion(motion, run%period, accuracy, run%point, trace, lacks, in_half=.true.)
-      if (.not. lacks) then
+      run%other_error = stages%load*(accuracy%steady%tolerance + run%point%estimate - run%point%step_error)
+      call trace_motion(motion, run%period, accuracy, run%point, trace, out_of_memory, in_half=.true.)
+      if (.not. out_of_memory) then
         call find_torque(motion, run%period, trace, harmonics*size(trace), half)
         run%half = half%force
-        call trace_motion(motion, run%period, accuracy, run%point, trace, lacks)
+        call trace_motion(motion, run%period, accuracy, run%point, trace, out_of_memory)
       end if
-      if (.not. lacks) call find_torque(motion, run%period, trace, harmonics*size(trace), run%mesh)
+      if (.not. out_of_memory) call find_torque(motion, run%period, trace, harmonics*size(trace), run%mesh)
     end associate
-    if (lacks) call fail(error, code_memory, '&sweep load_rpm = '//str(rpm)//': the memory does not hold the motion')
+    if (out_of_memory) call fail(error, code_memory, '&sweep load_rpm = '//str(rpm)//': the memory does not hold the motion')
   end subroutine follow_torque
 
   !> Reports the torques of a table of `fill_torque_points`.

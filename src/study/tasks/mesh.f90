@@ -28,7 +28,7 @@ contains
 
     info = task_info_t('mesh', needs=[stage%mesh, stage%reliefs, stage%amounts], &
                        tables='mesh transmission_error harmonics compliance', fields='', &
-                       gives='pair and mesh stiffness, load sharing, static transmission error and its harmonics')
+                       summary='pair and mesh stiffness, load sharing, static transmission error and its harmonics')
   end subroutine describe
 
   !> Reads keys in the group of the stiffness, which all tasks that need the mesh use.

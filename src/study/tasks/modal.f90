@@ -2,7 +2,7 @@
 module gearsweep_study_tasks_modal
   use gearsweep_base, only: axis, dp, error_t, lines_t, right, str
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, unless
+  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, text_unless
   use gearsweep_study_run_grid_tables, only: add_section, fill_elements, fill_nodes, fill_section, grid_of_section
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
@@ -25,7 +25,7 @@ contains
 
     info = task_info_t('modal', needs=[stage%geometry, stage%section, stage%body], tables='modal mode_energy section', &
                        fields='nodes elements mode_shapes', &
-                       gives='natural frequencies and mode shapes of the section of one gear, and its grid')
+                       summary='natural frequencies and mode shapes of the section of one gear, and its grid')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -35,7 +35,7 @@ contains
 
     call reader%add_group('modal', 'The task modal: natural modes of the section.')
     call reader%get('modal', 'modes', self%modes, error, at_least=1, at_most=1000, tasks='modal', &
-                    refused=unless(.not. is_prescribed(reader), needs_gears), &
+                    not_allowed=text_unless(.not. is_prescribed(reader), needs_gears), &
                     meaning='number of natural modes from the lowest, below half the unknowns of the grid')
   end subroutine read_keys
 

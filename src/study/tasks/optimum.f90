@@ -6,7 +6,7 @@ module gearsweep_study_tasks_optimum
   use gearsweep_motion, only: find_joint_optimum, find_optimum, has_result, joint_optimum_t, most_tried, optimum_t, oscillator_t, &
     point_t, sweep_options_t
   use gearsweep_study_case_task, only: case_facts_t, stage, task_info_t
-  use gearsweep_study_reader_reader, only: first_of, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, reader_t, sentence_length, text_unless
   use gearsweep_study_run_case_variation, only: largest_relief, with_relief
   use gearsweep_study_run_points, only: find_point
   use gearsweep_study_run_stages, only: runnable_t, stages_t
@@ -48,7 +48,7 @@ contains
 
     info = task_info_t(group, needs=stages_needed, &
                        tables='optimum optimum_curve optimum_map optimum_design optimum_loads', fields='', &
-                       gives='the relief of least dynamic factor or transmission error over all speeds and several torques')
+                       summary='the relief of least dynamic factor or transmission error over all speeds and several torques')
   end subroutine describe
 
   !> The motion and its speeds are needed if the criterion depends on them.
@@ -69,7 +69,7 @@ contains
     call reader%add_group(group, 'The task optimum: by what reliefs are judged, and what is varied beside their amount.')
     if (reader%has(group, 'load_factors')) call fail(error, code_input, &
       '&optimum load_factors: is no key; list the torques in &load torques_nm')
-    several = unless(reader%has('load', 'torques_nm'), '&load torques_nm')
+    several = text_unless(reader%has('load', 'torques_nm'), '&load torques_nm')
     word = trim(judged_words(self%judge%by))
     call reader%get(group, 'judged', word, error, tasks=group, allowed=judged_words, &
                     meaning='what is to be least: the largest dynamic factor over the speeds, the peak-to-peak static '// &
@@ -79,14 +79,14 @@ contains
     call reader%get(group, 'harmonic', self%judge%harmonic, error, tasks=group, at_least=1, at_most=100, &
                     meaning='harmonic of the mesh frequency in mesh_harmonic')
     word = 'worst'
-    call reader%get(group, 'over_torques', word, error, tasks=group, lacks=merge(several, repeat(' ', sentence_length), &
-                    reader%wants(group)), allowed=[character(8) :: 'worst', 'weighted'], &
+    call reader%get(group, 'over_torques', word, error, tasks=group, unused_without=merge(several, repeat(' ', sentence_length), &
+                    reader%requests(group)), allowed=[character(8) :: 'worst', 'weighted'], &
                     meaning='of several torques the worst one counts, or the mean weighted by torque_shares')
     self%is_weighted = word == 'weighted'
     call reader%get('load', 'torque_shares', self%share, error, tasks=group, &
-                    refused=first_of(unless(self%is_weighted, 'needs &optimum over_torques = ''weighted'''), &
-                    unless(len_trim(several) == 0, 'needs torques_nm')), &
-                    above=0.0_dp, at_most=1e12_dp, min_size=1, max_size=20, otherwise='all alike', &
+                    not_allowed=first_nonblank(text_unless(self%is_weighted, 'needs &optimum over_torques = ''weighted'''), &
+                    text_unless(len_trim(several) == 0, 'needs torques_nm')), &
+                    above=0.0_dp, at_most=1e12_dp, min_size=1, max_size=20, default_note='all alike', &
                     meaning='what each of torques_nm counts in the weighted mean, such as its share of time; divided by their sum')
     call reader%get(group, 'with_length', self%with_length, error, tasks=group, &
                     meaning='amount and length of the relief are varied together; its shape stays')
@@ -209,15 +209,15 @@ contains
     type(oscillator_t) :: motion
     type(point_t) :: point
     integer :: motions, worst
-    logical :: lacks
+    logical :: out_of_memory
 
     largest = no_number()
     if (allocated(error) .or. curve%best == 0 .or. judge%by /= by_factor) return
     worst = maxloc(curve%of_load(:, curve%best), 1)
     call with_relief(judge%designs%of_load(worst), curve%amount(curve%best), motion, error)
     if (allocated(error)) return
-    call find_point(motion, curve%rpm(worst, curve%best), stages%accuracy, point, motions, lacks)
-    if (lacks) call fail(error, code_memory, '&case tasks = ''optimum'': the memory does not hold all motions at a speed')
+    call find_point(motion, curve%rpm(worst, curve%best), stages%accuracy, point, motions, out_of_memory)
+    if (out_of_memory) call fail(error, code_memory, '&case tasks = ''optimum'': the memory does not hold all motions at a speed')
     largest = curve%of_load(worst, curve%best)
     if (has_result(point%steady%status)) largest = max(largest, point%dynamic_factor)
   end subroutine find_largest

@@ -15,7 +15,7 @@ module gearsweep_study_tasks_precision
     scheme_constant, scheme_rk4, scheme_rk4_equal, solve_point, status_inexact, status_name, status_ok
   use gearsweep_rating, only: outer_point
   use gearsweep_study_case_task, only: stage, task_info_t
-  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_inputs, only: elements_inputs_t
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
@@ -337,7 +337,7 @@ contains
     info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%section, &
                                      stage%body], &
                        tables='precision precision_finest', fields='', &
-                       gives='error against run time of the methods of integration over their steps, of harmonics over '// &
+                       summary='error against run time of the methods of integration over their steps, of harmonics over '// &
                        'samples, and of finite elements over their grids')
   end subroutine describe
 
@@ -348,10 +348,10 @@ contains
     character(sentence_length) :: geared
 
     self%has_gears = .not. is_prescribed(reader)
-    geared = unless(self%has_gears, needs_gears)
+    geared = text_unless(self%has_gears, needs_gears)
     call reader%add_group(group, 'The task precision, at some speeds and reliefs.')
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', tasks=group, at_least=1e-6_dp, at_most=1e9_dp, &
-                    max_size=1000, distinct=.true., otherwise='where the mesh frequency is the natural frequency', &
+                    max_size=1000, distinct=.true., default_note='where the mesh frequency is the natural frequency', &
                     meaning='speeds of the pinion')
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'most_steps', self%most_steps, error, tasks=group, at_least=2*least_steps, at_most=2**16, &
@@ -360,11 +360,11 @@ contains
                     meaning='most samples of the static transmission error for the Fourier transform; they are halved down to 16')
     call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, at_least=1, at_most=100, &
                     meaning='harmonics of the static transmission error to compare')
-    call reader%get(group, 'most_elements', self%most_elements, error, tasks=group, refused=geared, at_least=least_elements + 1, &
-                    at_most=50, &
+    call reader%get(group, 'most_elements', self%most_elements, error, tasks=group, not_allowed=geared, &
+                    at_least=least_elements + 1, at_most=50, &
                     meaning='most elements across the loaded tooth, instead of &section elements_across; the reference has '// &
                     'twice as many. Not for a prescribed mesh, which has no grid')
-    call reader%get(group, 'modes', self%modes, error, tasks=group, refused=geared, at_least=1, at_most=100, &
+    call reader%get(group, 'modes', self%modes, error, tasks=group, not_allowed=geared, at_least=1, at_most=100, &
                     meaning='natural modes to compare, from the lowest')
   end subroutine read_keys
 

@@ -14,7 +14,7 @@ module gearsweep_study_tasks_rating
     load_factors_t, material_length, method_b_t, no_grade, nominal_of, nominal_t, resonance_ratio, root_life_curve, root_number, &
     test_gear_correction, tooth_root_stress
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_point, known_count, of_estimate, &
     of_factor, of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
@@ -71,11 +71,11 @@ contains
     has_material = all(self%material /= '')
   end function has_material
 
-  !> Reads the material of the gears, with its strength and life factors. `refused`: reason why none of its keys is allowed, or
+  !> Reads the material of the gears, with its strength and life factors. `not_allowed`: reason why none of its keys is allowed, or
   !> blank.
-  subroutine read_material(reader, refused, limits, error)
+  subroutine read_material(reader, not_allowed, limits, error)
     type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: refused
+    character(*), intent(in) :: not_allowed
     type(limits_t), intent(out) :: limits
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: material(:), grade, without
@@ -87,18 +87,18 @@ contains
     limits%root = no_number()
     limits%contact_number = no_number()
     limits%root_number = no_number()
-    call reader%get(group, 'material', material, error, given=given, tasks=users, refused=refused, &
-                    required=reader%wants('life') .and. .not. (reader%has('life', 'curve_cycles') .or. &
+    call reader%get(group, 'material', material, error, is_stated=given, tasks=users, not_allowed=not_allowed, &
+                    required=reader%requests('life') .and. .not. (reader%has('life', 'curve_cycles') .or. &
                                                                reader%has('life', 'curve_stress_mpa')), &
                     allowed=[gear_materials%name, common_names%name], min_size=1, max_size=2, &
-                    otherwise='none; the task life needs it or curve_cycles', &
+                    default_note='none; the task life needs it or curve_cycles', &
                     meaning='material of both gears, or of pinion and gear, whose allowable stress numbers and life factors '// &
                     'are used; a common name stands for its usual treatment')
-    without = trim(first_of(refused, unless(given, 'needs a material')))
-    call reader%get(group, 'material_grade', grade, error, tasks=users, refused=without, allowed=grades, &
-                    otherwise='mq, with a material', meaning='quality grade of the material by ISO 6336-5')
+    without = trim(first_nonblank(not_allowed, text_unless(given, 'needs a material')))
+    call reader%get(group, 'material_grade', grade, error, tasks=users, not_allowed=without, allowed=grades, &
+                    default_note='mq, with a material', meaning='quality grade of the material by ISO 6336-5')
     end = 0.85_dp
-    call reader%get(group, 'long_life_factor', end, error, tasks=users, refused=without, at_least=0.85_dp, at_most=1.0_dp, &
+    call reader%get(group, 'long_life_factor', end, error, tasks=users, not_allowed=without, at_least=0.85_dp, at_most=1.0_dp, &
                     meaning='Y_NT and Z_NT from 1e10 load cycles on: 0.85, or up to 1 with optimum lubrication, material, '// &
                     'manufacturing and experience')
     if (allocated(error) .or. .not. given) return
@@ -122,19 +122,21 @@ contains
 
   !> Reads K_H_beta, and K_H_alpha with K_F_alpha, which ISO 6336 computes from deviations and deflections that this program does
   !> not compute. In `life` only the contact stress uses them, which requires a material.
-  subroutine read_load_factors(reader, refused, has_material, factors, error)
+  subroutine read_load_factors(reader, not_allowed, has_material, factors, error)
     type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: refused
+    character(*), intent(in) :: not_allowed
     logical, intent(in) :: has_material
     type(load_factors_t), intent(inout) :: factors
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: lacks
+    character(:), allocatable :: unused_without
 
-    lacks = trim(unless(reader%wants('rating') .or. (reader%wants('life') .and. has_material), 'rating, or life with a material'))
-    call reader%get(group, 'face_load_factor', factors%face_load, error, tasks=users, lacks=lacks, refused=refused, &
+    unused_without = trim(text_unless(reader%requests('rating') .or. (reader%requests('life') .and. has_material), &
+                          'rating, or life with a material'))
+    call reader%get(group, 'face_load_factor', factors%face_load, error, tasks=users, unused_without=unused_without, &
+                    not_allowed=not_allowed, &
                     at_least=1.0_dp, at_most=100.0_dp, meaning='K_H_beta: largest load of a unit of face width over the mean one')
-    call reader%get(group, 'transverse_load_factor', factors%transverse, error, tasks=users, lacks=lacks, refused=refused, &
-                    at_least=1.0_dp, at_most=100.0_dp, &
+    call reader%get(group, 'transverse_load_factor', factors%transverse, error, tasks=users, unused_without=unused_without, &
+                    not_allowed=not_allowed, at_least=1.0_dp, at_most=100.0_dp, &
                     meaning='K_H_alpha and K_F_alpha, for deviations that let the pairs share the load unevenly')
   end subroutine read_load_factors
 
@@ -179,13 +181,13 @@ contains
   end subroutine add_life_curves
 
   !> Words of a load factor that only the case can state.
-  pure function told(factor) result(words)
+  pure function load_factor_text(factor) result(words)
     real(dp), intent(in) :: factor
     character(20) :: words
 
     words = str(factor, 4)
     if (.not. factor > 1) words = '1 (not computed)'
-  end function told
+  end function load_factor_text
 
   !> Limits of one gear, in words.
   pure function of_gear(factors, i) result(words)
@@ -273,7 +275,7 @@ contains
     info = task_info_t(group, needs=[stage%geometry, stage%elasticity, stage%rims, stage%webs, stage%mesh, stage%reliefs, &
                                      stage%amounts, stage%motion, stage%losses, stage%accuracy], &
                        tables='rating rating_factors dynamic_factors', fields='', &
-                       gives='contact and root stress by ISO 6336, with K_v of the motion beside that of Method B')
+                       summary='contact and root stress by ISO 6336, with K_v of the motion beside that of Method B')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -287,44 +289,45 @@ contains
     logical :: stated(2)
 
     call reader%add_group(group, 'The task rating: contact and tooth root stress by ISO 6336.')
-    geared = unless(.not. is_prescribed(reader), needs_gears)
-    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
+    geared = text_unless(.not. is_prescribed(reader), needs_gears)
+    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, not_allowed=geared, &
                     at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
     method = methods(by_larger)
-    call reader%get(group, 'dynamic_factor_method', method, error, tasks=group, refused=geared, allowed=methods, &
+    call reader%get(group, 'dynamic_factor_method', method, error, tasks=group, not_allowed=geared, allowed=methods, &
                     meaning='which K_v of ISO 6336-1 stresses and safety factors take: that of Method A (a: from the motion, '// &
                     'without deviations of the teeth), of Method B (b: by formula), or the larger of both')
     if (.not. allocated(error)) self%method = findloc(methods == method, .true., 1)
-    call reader%get(group, 'pitch_deviation_um', self%accuracy%deviation(1), error, unit='um', given=stated(1), tasks=group, &
-                    refused=geared, at_least=0.0_dp, at_most=1e4_dp, otherwise='what accuracy_grade allows', &
+    call reader%get(group, 'pitch_deviation_um', self%accuracy%deviation(1), error, unit='um', is_stated=stated(1), tasks=group, &
+                    not_allowed=geared, at_least=0.0_dp, at_most=1e4_dp, default_note='what accuracy_grade allows', &
                     meaning='transverse base pitch deviation f_pb before running in, for K_v by Method B')
-    call reader%get(group, 'profile_deviation_um', self%accuracy%deviation(2), error, unit='um', given=stated(2), tasks=group, &
-                    refused=geared, at_least=0.0_dp, at_most=1e4_dp, otherwise='what accuracy_grade allows', &
+    call reader%get(group, 'profile_deviation_um', self%accuracy%deviation(2), error, unit='um', is_stated=stated(2), tasks=group, &
+                    not_allowed=geared, at_least=0.0_dp, at_most=1e4_dp, default_note='what accuracy_grade allows', &
                     meaning='profile form deviation f_f_alpha before running in, for K_v by Method B')
     call reader%get(group, 'accuracy_grade', self%accuracy%grade, error, tasks=group, at_least=0, at_most=12, &
-                    refused=first_of(geared, unless(.not. all(stated), 'both deviations are given; remove it')), &
+                    not_allowed=first_nonblank(geared, text_unless(.not. all(stated), 'both deviations are given; remove it')), &
                     meaning='accuracy grade of ISO 1328-1, for K_v by Method B')
-    call reader%get(group, 'running_in', self%accuracy%running_in, error, tasks=group, refused=geared, at_least=0.0_dp, &
+    call reader%get(group, 'running_in', self%accuracy%running_in, error, tasks=group, not_allowed=geared, at_least=0.0_dp, &
                     at_most=1.0_dp, meaning='fraction of the deviations that running in takes: 0.075 for case-hardened and '// &
                     'nitrided gears')
     where (.not. stated) self%accuracy%deviation = -1
     call read_material(reader, geared, self%limits, error)
     call read_load_factors(reader, geared, self%limits%has_material(), self%factors, error)
     call reader%get(group, 'contact_limit_mpa', contact, error, unit='MPa', tasks=group, &
-                    refused=first_of(geared, unless(.not. self%limits%has_material(), by_material)), above=0.0_dp, at_most=1e6_dp, &
-                    max_size=2, otherwise='that of the material; without one, no safety factor', &
+                    not_allowed=first_nonblank(geared, text_unless(.not. self%limits%has_material(), by_material)), above=0.0_dp, &
+                    at_most=1e6_dp, max_size=2, default_note='that of the material; without one, no safety factor', &
                     meaning='contact stress sigma_HG that both gears, or pinion and gear, bear, for the safety factor S_H: '// &
                     'sigma_Hlim with its factors of life, lubrication and size')
     call reader%get(group, 'root_limit_mpa', root, error, unit='MPa', tasks=group, &
-                    refused=first_of(geared, unless(.not. self%limits%has_material(), by_material)), above=0.0_dp, at_most=1e6_dp, &
-                    max_size=2, otherwise='that of the material; without one, no safety factor', &
+                    not_allowed=first_nonblank(geared, text_unless(.not. self%limits%has_material(), by_material)), above=0.0_dp, &
+                    at_most=1e6_dp, max_size=2, default_note='that of the material; without one, no safety factor', &
                     meaning='tooth root stress sigma_FG that they bear, for the safety factor S_F: sigma_FE with its factors '// &
                     'of life, notch and size')
     if (allocated(error)) return
     if (allocated(contact)) self%limits%contact = contact([1, size(contact)])
     if (allocated(root)) self%limits%root = root([1, size(root)])
     call reader%get(group, 'life_h', self%life, error, unit='h', tasks=group, above=0.0_dp, at_most=1e9_dp, &
-                    refused=first_of(geared, unless(self%limits%has_material(), 'needs a material')), otherwise='none', &
+                    not_allowed=first_nonblank(geared, text_unless(self%limits%has_material(), 'needs a material')), &
+                    default_note='none', &
                     meaning='required life: the safety factors for as many load cycles, by Z_NT and Y_NT, are added to those '// &
                     'of endurance')
   end subroutine read_keys
@@ -338,7 +341,7 @@ contains
     type(method_b_t), allocatable :: of(:)                 ! inputs of Method B; (relief)
     type(nominal_t) :: nominal
     integer :: grade, i, k
-    logical :: lacks
+    logical :: out_of_memory
 
     if (allocated(error)) return
     self%factors%application = stages%iso%application_factor
@@ -350,10 +353,11 @@ contains
     do i = 1, size(stages%motion)
       do k = 1, size(self%own_rpm)
         if (wants_stop(stages%accuracy%steady%stop)) return
-        call find_point(stages%motion(i), self%own_rpm(k), stages%accuracy, point(k, i), motions(k, i), lacks)
-        if (lacks) call fail(error, code_memory, '&rating rpm = '//str(self%own_rpm(k))//': the memory does not hold the motion')
+        call find_point(stages%motion(i), self%own_rpm(k), stages%accuracy, point(k, i), motions(k, i), out_of_memory)
+        if (out_of_memory) call fail(error, code_memory, '&rating rpm = '//str(self%own_rpm(k))// &
+          ': the memory does not hold the motion')
         if (allocated(error)) return
-        call stages%running%tell(1, stages%accuracy%steady%stop)
+        call stages%running%report_progress(1, stages%accuracy%steady%stop)
       end do
     end do
     nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade)
@@ -510,8 +514,8 @@ contains
       call lines%add('Rating by ISO 6336, with K_v '//trim(signs(self%method)))
       grade = nint(factors%number('accuracy_grade', 1))
       call lines%add('   K_A '//str(factors%number('application_factor', 1), 4)//', K_H_beta '// &
-                     trim(told(factors%number('face_load_factor', 1)))//', K_H_alpha and K_F_alpha '// &
-                     trim(told(factors%number('transverse_load_factor', 1)))//'; accuracy grade '//str(grade))
+                     trim(load_factor_text(factors%number('face_load_factor', 1)))//', K_H_alpha and K_F_alpha '// &
+                     trim(load_factor_text(factors%number('transverse_load_factor', 1)))//'; accuracy grade '//str(grade))
       ground = [of_gear(factors, 1), of_gear(factors, 2)]
       if (ground(1) == ground(2)) then
         call lines%add('   both gears: '//trim(ground(1)))

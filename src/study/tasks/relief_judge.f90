@@ -325,7 +325,7 @@ contains
       if (self%needs_motion()) then
         call judge(self, [amount/largest], design, curve%stopped, error)
         if (allocated(error) .or. curve%stopped) return
-        call running%tell(n*size(self%rpm), self%options%accuracy%steady%stop)
+        call running%report_progress(n*size(self%rpm), self%options%accuracy%steady%stop)
       else
         call judge_static(self, errors, design)
         curve%stopped = wants_stop(self%options%accuracy%steady%stop)

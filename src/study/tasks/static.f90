@@ -7,7 +7,7 @@ module gearsweep_study_tasks_static
   use gearsweep_rating, only: find_stress_field, load_positions, load_radius, rate_root, root_options_t, root_rating_t, &
     shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path, stress_field_t
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_grid_tables, only: fill_elements, fill_nodes, fill_section, grid_of_section
   use gearsweep_study_run_inputs, only: same, unit_inputs_t
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks
@@ -40,7 +40,7 @@ contains
 
     info = task_info_t(group, needs=stages_needed, tables='static root_stress root_rating stress_load section', &
                        fields='nodes elements stress', &
-                       gives='root stress of one gear under the moving load, beside the values by ISO 6336-3 and Lewis')
+                       summary='root stress of one gear under the moving load, beside the values by ISO 6336-3 and Lewis')
   end subroutine describe
 
   !> Relief has no effect if the mesh does not share the load.
@@ -60,33 +60,34 @@ contains
     logical :: stated
 
     call reader%add_group(group, 'The task static: root stress under the moving load.')
-    geared = unless(.not. is_prescribed(reader), needs_gears)
+    geared = text_unless(.not. is_prescribed(reader), needs_gears)
     associate (root => self%options)
-      call reader%get(group, 'shares', root%shares, error, given=stated, tasks=group, refused=geared, &
-                      at_least=0.0_dp, at_most=1.0_dp, min_size=2, otherwise='as sharing says', &
+      call reader%get(group, 'shares', root%shares, error, is_stated=stated, tasks=group, not_allowed=geared, &
+                      at_least=0.0_dp, at_most=1.0_dp, min_size=2, default_note='as sharing says', &
                       meaning='share of the static load at each position, from the outermost point of contact inwards in '// &
                       'equal arcs of the flank')
       call reader%get(group, 'positions', root%positions, error, at_least=2, at_most=1000, tasks=group, &
-                      refused=first_of(geared, unless(.not. stated, 'there are as many as shares; remove it')), &
+                      not_allowed=first_nonblank(geared, text_unless(.not. stated, 'there are as many as shares; remove it')), &
                       meaning='positions of the load on the flank; not with shares, of which there is one for each')
       spacing = 'path'
       call reader%get(group, 'spacing', spacing, error, allowed=[character(5) :: 'path', 'flank'], tasks=group, &
-                      refused=first_of(geared, unless(.not. stated, 'stated shares stand at equal arcs of the flank; remove it')), &
+                      not_allowed=first_nonblank(geared, text_unless(.not. stated, &
+                      'stated shares stand at equal arcs of the flank; remove it')), &
                       meaning='path: equal steps along the path of contact from A to E, and either side of the places where '// &
                       'the share jumps; flank: equal arcs of the flank, from the outermost point of contact inwards')
       root%spacing = merge(spaced_on_flank, spaced_on_path, stated .or. spacing == 'flank')
       sharing = 'mesh'
       call reader%get(group, 'sharing', sharing, error, allowed=[character(5) :: 'mesh', 'equal'], tasks=group, &
-                      refused=first_of(geared, unless(.not. stated, 'the shares are stated; give one of the two')), &
+                      not_allowed=first_nonblank(geared, text_unless(.not. stated, 'the shares are stated; give one of the two')), &
                       meaning='load on the tooth: as stiffness and relief share it (mesh), or the same for all pairs in '// &
                       'contact (equal); not with shares')
       root%sharing = merge(shared_equally, shared_by_mesh, sharing == 'equal')
-      call reader%get(group, 'tangent_deg', root%tangent, error, unit='deg', tasks=group, refused=geared, &
+      call reader%get(group, 'tangent_deg', root%tangent, error, unit='deg', tasks=group, not_allowed=geared, &
                       above=0.0_dp, below=90.0_dp, &
                       meaning='angle between the tangent to the fillet and the axis of the tooth where the table gives the '// &
                       'stress; such a point must lie on the fillet')
       call reader%get(group, 'field_position', root%field_position, error, at_least=0, at_most=2000, tasks=group, &
-                      refused=geared, otherwise='no such table', &
+                      not_allowed=geared, default_note='no such table', &
                       meaning='position of the load, counted from 1 in the table static, for the stress all over the section '// &
                       'in the table stress; 0: where the tension is largest')
       if (.not. stated .or. allocated(error)) return
@@ -163,11 +164,11 @@ contains
     if (associated(stages%running%earlier)) then
       select type (before => stages%running%earlier)
       type is (static_task_t)
-        self%is_taken = same(self%unit_inputs, before%unit_inputs)
-        if (self%is_taken) self%unit_stress = before%unit_stress
+        self%is_reused = same(self%unit_inputs, before%unit_inputs)
+        if (self%is_reused) self%unit_stress = before%unit_stress
       end select
     end if
-    if (self%is_taken) return
+    if (self%is_reused) return
     call stages%running%need_bodies(stages%body_inputs, error)
     if (allocated(error)) return
     allocate (self%unit_stress)

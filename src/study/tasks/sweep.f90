@@ -6,7 +6,7 @@ module gearsweep_study_tasks_sweep
     down, find_corner_estimate, find_resonances, frequency_ratio, has_result, peak_t, run_sweep, status_meaning, status_name, &
     status_ok, status_stopped, sweep_options_t, sweep_t, up, worst_of
   use gearsweep_study_case_task, only: stage, task_info_t
-  use gearsweep_study_run_points, only: add_seen, factor_in, factor_of, of_coast, of_corner, of_dte_estimate, of_dte_range, &
+  use gearsweep_study_run_points, only: add_seen, factor_of, factor_text, of_coast, of_corner, of_dte_estimate, of_dte_range, &
     of_dte_rms, of_estimate, of_factor, of_periods, of_relief, of_seen, of_speed, of_status, of_worst, speed_of, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
@@ -30,7 +30,7 @@ contains
     info = task_info_t('sweep', needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
                                        stage%speeds, stage%direction], &
                        tables='sweep sweep_worst resonances sweep_summary', fields='', &
-                       gives='dynamic factor over speed and relief, resonances, best of the listed reliefs')
+                       summary='dynamic factor over speed and relief, resonances, best of the listed reliefs')
   end subroutine describe
 
   subroutine run(self, stages, error)
@@ -305,18 +305,18 @@ contains
         end do
         call lines%add('')
         do i = 1, worst%rows
-          call lines%put(right(str(worst%number('relief_um', i)), 12)//factor_in(worst%number('worst_dynamic_factor', i)))
+          call lines%put(right(str(worst%number('relief_um', i)), 12)//factor_text(worst%number('worst_dynamic_factor', i)))
           if (.not. ieee_is_nan(worst%number('rpm', i))) then
             call lines%put(right(str(worst%number('rpm', i)), 10))
             if (has_seen) then
-              call lines%put(factor_in(worst%number('seen_dynamic_factor', i)))
+              call lines%put(factor_text(worst%number('seen_dynamic_factor', i)))
               if (ieee_is_nan(worst%number('seen_rpm', i))) call lines%put(repeat(' ', 10))
               if (.not. ieee_is_nan(worst%number('seen_rpm', i))) call lines%put(right(str(worst%number('seen_rpm', i)), 10))
             end if
-            if (has_two) call lines%put(factor_in(worst%number('other_dynamic_factor', i))// &
+            if (has_two) call lines%put(factor_text(worst%number('other_dynamic_factor', i))// &
                                         right(str(worst%number('other_rpm', i)), 10))
             do k = 1, peaks
-              call lines%put(factor_in(resonances%number('dynamic_factor', (i - 1)*peaks + k)))
+              call lines%put(factor_text(resonances%number('dynamic_factor', (i - 1)*peaks + k)))
             end do
           end if
           call lines%add('')

@@ -8,7 +8,7 @@ module gearsweep_study_tasks_transient
   use gearsweep_rating, only: follow_tooth, load_places, sampling_t, pass_path, pass_static, passage_options_t, passage_t, &
     place_radius, shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path, tooth_transient_t
   use gearsweep_study_case_task, only: case_facts_t, check_reliefs, needs_moving, stage, task_info_t
-  use gearsweep_study_reader_reader, only: first_of, is_prescribed, needs_gears, reader_t, sentence_length, unless
+  use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_points, only: add_several, find_motion, known_count, of_motions, of_relief, of_speed, of_status, &
     words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
@@ -297,7 +297,7 @@ contains
     type(task_info_t), intent(out) :: info
 
     info = task_info_t(group, needs=stages_needed, tables='transient transient_points transient_peaks', fields='', &
-                       gives='root stress of one gear over time while the load passes over a tooth, by modal superposition')
+                       summary='root stress of one gear over time while the load passes over a tooth, by modal superposition')
   end subroutine describe
 
   !> The motion is needed for its pair load only, and relief where the mesh or the motion shares the load.
@@ -319,24 +319,24 @@ contains
     logical :: counted
 
     call reader%add_group(group, 'The task transient: root stress over time while the load passes over a tooth.')
-    geared = unless(.not. is_prescribed(reader), needs_gears)
-    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
+    geared = text_unless(.not. is_prescribed(reader), needs_gears)
+    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, not_allowed=geared, &
                     at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
     call self%read_reliefs(reader, group, error)
     call self%choice%read_keys(reader, group, geared, error)
-    call reader%get(group, 'static_correction', self%look%corrected, error, tasks=group, refused=geared, &
+    call reader%get(group, 'static_correction', self%look%corrected, error, tasks=group, not_allowed=geared, &
                     meaning='what the modes that are left out would add to a load at rest is added at once; without it, stress '// &
                     'is that of the modes alone')
     call self%read_load(reader, geared, error)
     call reader%get(group, 'after_periods', self%passage%after, error, at_least=0.0_dp, at_most=100.0_dp, tasks=group, &
-                    refused=geared, meaning='time that is looked at when the load has left the tooth, in mesh periods')
-    call reader%get(group, 'samples', self%look%samples, error, given=counted, at_least=1, at_most=100000, tasks=group, &
-                    otherwise='400, or as time_step_s says', &
-                    refused=geared, meaning='equal steps of the whole time in the table transient; the largest values are '// &
+                    not_allowed=geared, meaning='time that is looked at when the load has left the tooth, in mesh periods')
+    call reader%get(group, 'samples', self%look%samples, error, is_stated=counted, at_least=1, at_most=100000, tasks=group, &
+                    default_note='400, or as time_step_s says', &
+                    not_allowed=geared, meaning='equal steps of the whole time in the table transient; the largest values are '// &
                     'looked for eight times in a period of the highest mode, at most 10000 times in all')
     call reader%get(group, 'time_step_s', self%look%step, error, unit='s', at_least=1e-7_dp, at_most=1.0_dp, tasks=group, &
-                    refused=first_of(geared, unless(.not. counted, 'samples is given; remove one of the two')), &
-                    otherwise='as samples says', &
+                    not_allowed=first_nonblank(geared, text_unless(.not. counted, 'samples is given; remove one of the two')), &
+                    default_note='as samples says', &
                     meaning='step between the rows of the table transient; the largest values are then the largest of its '// &
                     'rows, as papers have it. Stress between two steps is not changed by it')
   end subroutine read_keys
@@ -352,21 +352,23 @@ contains
     logical :: stated
 
     associate (root => self%passage%root)
-      call reader%get(group, 'shares', root%shares, error, given=stated, tasks=group, refused=geared, at_least=0.0_dp, &
-                      at_most=1.0_dp, min_size=4, max_size=1000, otherwise='as sharing says', &
+      call reader%get(group, 'shares', root%shares, error, is_stated=stated, tasks=group, not_allowed=geared, at_least=0.0_dp, &
+                      at_most=1.0_dp, min_size=4, max_size=1000, default_note='as sharing says', &
                       meaning='share of the static load at each place, from the outermost point of contact inwards in equal '// &
                       'arcs of the flank')
-      unstated = first_of(geared, unless(.not. stated, 'the shares are stated, which says this too; remove one of the two'))
-      call reader%get(group, 'positions', root%positions, error, at_least=4, at_most=1000, tasks=group, refused=unstated, &
+      unstated = first_nonblank(geared, text_unless(.not. stated, &
+                                'the shares are stated, which says this too; remove one of the two'))
+      call reader%get(group, 'positions', root%positions, error, at_least=4, at_most=1000, tasks=group, not_allowed=unstated, &
                       meaning='places on the flank at which the tooth is loaded')
       sharing = 'mesh'
       call reader%get(group, 'sharing', sharing, error, allowed=[character(6) :: 'mesh', 'equal', 'motion'], tasks=group, &
-                      refused=unstated, &
+                      not_allowed=unstated, &
                       meaning='load on the tooth: as stiffness and relief share it at rest (mesh), the same for all pairs in '// &
                       'contact (equal), or that of the motion at this speed (motion)')
       spacing = 'path'
       call reader%get(group, 'spacing', spacing, error, allowed=[character(5) :: 'path', 'flank'], tasks=group, &
-                      refused=first_of(unstated, unless(sharing /= 'motion', 'the load of a motion moves along the path')), &
+                      not_allowed=first_nonblank(unstated, text_unless(sharing /= 'motion', &
+                      'the load of a motion moves along the path')), &
                       meaning='path: the load moves steadily along the path of contact; flank: from one place to the next, in '// &
                       'equal arcs of the flank and equal times, on the way handed over from the one to the other')
       root%spacing = merge(spaced_on_flank, spaced_on_path, stated .or. spacing == 'flank')
@@ -376,18 +378,18 @@ contains
       if (stated) root%sharing = shares_stated
       if (stated .and. .not. allocated(error)) root%positions = size(root%shares)
     end associate
-    nodal = first_of(geared, unless(self%passage%root%spacing == spaced_on_flank, &
+    nodal = first_nonblank(geared, text_unless(self%passage%root%spacing == spaced_on_flank, &
                                     'the load moves steadily along the path; needs spacing = ''flank'' or shares'))
-    call reader%get(group, 'jump_at', self%passage%jump, error, at_least=0.0_dp, at_most=1.0_dp, tasks=group, refused=nodal, &
-                    otherwise='the share changes all along', &
+    call reader%get(group, 'jump_at', self%passage%jump, error, at_least=0.0_dp, at_most=1.0_dp, tasks=group, not_allowed=nodal, &
+                    default_note='the share changes all along', &
                     meaning='where on the way from one place to the next of another share the share jumps: 0 as it leaves the '// &
                     'one, 1 as it arrives at the other')
     call reader%get(group, 'passage_periods', self%passage%periods, error, above=0.0_dp, at_most=100.0_dp, tasks=group, &
-                    refused=nodal, otherwise='the contact ratio', &
+                    not_allowed=nodal, default_note='the contact ratio', &
                     meaning='time from the first place to the last, in mesh periods')
     travel = 'driving'
     call reader%get(group, 'travel', travel, error, allowed=[character(8) :: 'driving', 'inwards', 'outwards'], tasks=group, &
-                    refused=first_of(geared, unless(self%passage%root%sharing /= shared_by_motion, &
+                    not_allowed=first_nonblank(geared, text_unless(self%passage%root%sharing /= shared_by_motion, &
                                                     'in the motion the pinion drives; remove it')), &
                     meaning='the load travels over the flank as the driving pinion makes it (driving), from the tip down '// &
                     '(inwards) or up to it (outwards)')
@@ -445,7 +447,7 @@ contains
         if (has_result(runs(n)%status)) call follow_tooth(teeth, stress_error_share(stages%running%bodies), passage, self%look, &
                                                            runs(n)%tooth, error)
         if (allocated(error)) return
-        if (self%uses(stage%motion)) call stages%running%tell(1, stages%accuracy%steady%stop)
+        if (self%uses(stage%motion)) call stages%running%report_progress(1, stages%accuracy%steady%stop)
       end do
     end do
     poisson = 0

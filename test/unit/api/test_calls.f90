@@ -2,8 +2,8 @@
 !> Fortran 77, C and Python get just this is told by test/cases/test_callers.sh.
 module test_calls
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_api_api, only: begin_call, describe, edit, end_call, error_t, give, int64, numbers_of, release, run_case => run, &
-            run_with_rows, size_of, text_of, word_of, write_files
+  use gearsweep_api_api, only: begin_call, describe, edit, end_call, error_t, int64, numbers_of, release, return_text, &
+            run_case => run, run_with_rows, size_of, text_of, word_of, write_files
   use gearsweep_study_case_case, only: case_t
   use gearsweep_api_case_reader, only: read_case
   use gearsweep_study_reader_edit, only: change_key
@@ -138,11 +138,11 @@ contains
     call check_true(t, 'the report', index(words, 'Pair ') == 1)
     buffer = 'x'
     length = 0
-    call give('buffer', words, buffer, length, error)
+    call return_text('buffer', words, buffer, length, error)
     call check_true(t, 'a text needs room', length == len(words) .and. buffer == 'x')
     call refused(t, 'a text needs room', error, 'len(buffer) = 5: too small, must be at least ')
     words = 'brief'
-    call give('buffer', words, buffer, length, error)
+    call return_text('buffer', words, buffer, length, error)
     call check_true(t, 'just enough room', buffer == 'brief' .and. length == 5 .and. .not. allocated(error))
     call text_of(study, 'log', words, error)
     call check_true(t, 'the log', index(words, 'sweep left out: not among the tasks') > 0)

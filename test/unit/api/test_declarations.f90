@@ -7,7 +7,7 @@ module test_declarations
   use gearsweep_api_help, only: help_on, write_key_table
   use gearsweep_base_error, only: code_input, error_t, fail
   use gearsweep_study_run_files, only: read_text
-  use gearsweep_study_case_key_names, only: key_names, gear_key_names, name_key
+  use gearsweep_study_case_key_names, only: gear_key_names, key_names, name_key
   use gearsweep_study_reader_keys, only: keys_t
   use gearsweep_base_kinds, only: dp
   use gearsweep_api_new_case, only: write_new_case
@@ -58,7 +58,7 @@ contains
         call check_true(t, name//': a group of the list', any(keys%groups%name == key%group))
         call key%list_allowed(allowed)
         call check_true(t, name//': what is allowed', len(allowed) > 3)
-        call check_true(t, name//': a default, or what holds without', allocated(key%default) .or. len(key%otherwise) > 0 .or. &
+        call check_true(t, name//': a default, or what holds without', allocated(key%default) .or. len(key%default_note) > 0 .or. &
                         key%is_required .or. key%is_one_of)
       end associate
     end do
@@ -320,7 +320,7 @@ contains
       if (allocated(error)) return
       call check_equal(t, 'all of its keys are used: '//name, case%unused, '')
       do k = 1, size(tasks)
-        call check_true(t, 'its tasks are those asked for: '//name, case%asks(trim(tasks(k))))
+        call check_true(t, 'its tasks are those asked for: '//name, case%requests(trim(tasks(k))))
       end do
     end subroutine check_new
   end subroutine new_cases

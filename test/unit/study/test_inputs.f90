@@ -22,9 +22,9 @@ module test_inputs
   public :: run
 
   character, parameter :: lf = new_line('a')
-  !> The stiffness by finite elements, behind the tasks in `is_taken`; how its line of a log begins.
+  !> The stiffness by finite elements, behind the tasks in `is_reused`; how its line of a log begins.
   character(*), parameter :: by_elements = 'mesh: pair stiffness by model fe'
-  logical, allocatable :: is_taken(:)            !< by tasks, and the stiffness: taken over from an earlier study, once at least
+  logical, allocatable :: is_reused(:)            !< by tasks, and the stiffness: taken over from an earlier study, once at least
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
 
@@ -85,7 +85,7 @@ contains
     call write_flanks(folder//'/gear7.csv', 34, 5)
     call list_changes(changes)
     call list_tasks(slots)
-    is_taken = [(.false., i=0, size(slots))]
+    is_reused = [(.false., i=0, size(slots))]
     if (t%wants('judge_changes')) call judge_changes(t)
     do i = 1, size(models)
       do k = 1, size(tasks)
@@ -113,10 +113,10 @@ contains
     do i = 1, size(slots)
       ! What needs none of these costs nothing, and is made anew.
       if (.not. any([(slots(i)%info%needs == costly(k), k=1, size(costly))])) cycle
-      if (t%wants('walk')) call check_true(t, 'taken over from some study: the task '//trim(slots(i)%info%name), is_taken(i), &
-        'the walk in test/unit/study/test_inputs.f90 has no study of which it is known; see is_known in src/study/run/study.f90')
+      if (t%wants('walk')) call check_true(t, 'taken over from some study: the task '//trim(slots(i)%info%name), is_reused(i), &
+        'the walk in test/unit/study/test_inputs.f90 has no study of which it is known; see is_current in src/study/run/study.f90')
     end do
-    if (t%wants('walk')) call check_true(t, 'taken over from some study: '//by_elements, is_taken(size(slots) + 1))
+    if (t%wants('walk')) call check_true(t, 'taken over from some study: '//by_elements, is_reused(size(slots) + 1))
     call remove_folder(folder)
   end subroutine run
 
@@ -702,7 +702,7 @@ contains
 
     call find_stages(t, case, text, after, before)
     ! The stages are the same whatever task needs them. What takes over nothing is afresh.
-    if (case%asks('mesh')) then
+    if (case%requests('mesh')) then
       if (takes_over(after)) then
         call find_stages(t, case, text, fresh)
         call check_true(t, 'stages from an earlier study: '//text, same_products(after, fresh))
@@ -1002,10 +1002,10 @@ contains
 
     associate (n => size(study%tasks), tasks => study%tasks)
       do i = 1, n
-        if (.not. (tasks(i)%is_wanted .and. allocated(tasks(i)%task%log))) cycle
-        is_taken(i) = is_taken(i) .or. index(study%log, tasks(i)%task%log//', taken over') > 0
+        if (.not. (tasks(i)%is_requested .and. allocated(tasks(i)%task%log))) cycle
+        is_reused(i) = is_reused(i) .or. index(study%log, tasks(i)%task%log//', taken over') > 0
       end do
-      is_taken(n + 1) = is_taken(n + 1) .or. index(study%log, by_elements//', taken over') > 0
+      is_reused(n + 1) = is_reused(n + 1) .or. index(study%log, by_elements//', taken over') > 0
     end associate
   end subroutine note_taken
 

@@ -450,7 +450,7 @@ contains
     other = .true.
     call open_reader('&Pair Module_mm=3d0 angle=-.5 teeth = +25 flag=T other=.FALSE./', reader, error)
     call reader%add_group('pair', '')
-    call reader%get('pair', 'module_mm', module, error, 'a meaning', unit='mm', given=given, above=0.0_dp)
+    call reader%get('pair', 'module_mm', module, error, 'a meaning', unit='mm', is_stated=given, above=0.0_dp)
     call reader%get('pair', 'angle', angle, error, 'a meaning', at_least=-0.5_dp, below=1.0_dp)
     call reader%get('pair', 'teeth', teeth, error, 'a meaning', required=.true., at_least=25, at_most=25)
     call reader%get('pair', 'flag', flag, error, 'a meaning')
@@ -554,10 +554,10 @@ contains
     text = 'up'
     call open_reader('&p x = /', reader, error)
     call reader%add_group('p', '')
-    call reader%get('p', 'x', x, error, 'a meaning', unit='N/um', given=given)
+    call reader%get('p', 'x', x, error, 'a meaning', unit='N/um', is_stated=given)
     call reader%get('p', 'i', i, error, 'a meaning')
     call reader%get('p', 'text', text, error, 'a meaning', allowed=['up'])
-    call reader%get('p', 'y', x, error, 'a meaning', required=.true., refused='has no effect')
+    call reader%get('p', 'y', x, error, 'a meaning', required=.true., not_allowed='has no effect')
     call reader%finish(error)
     call check_no_error(t, 'nothing given', error)
     call check_true(t, 'not given', .not. given)
@@ -740,7 +740,7 @@ contains
     call reader%get('p', 'flag', flag, error, 'a meaning')
     call reader%get('p', 'word', word, error, 'a meaning', allowed=[character(4) :: 'up', 'down'])
     call reader%get('p', 'free', free, error, 'a meaning')
-    call reader%get('p', 'never', i, error, 'a meaning', refused='has no effect')
+    call reader%get('p', 'never', i, error, 'a meaning', not_allowed='has no effect')
     call reader%get('q', 'only_q', free, error, 'a meaning')
     call reader%finish(error)
   end subroutine read_all

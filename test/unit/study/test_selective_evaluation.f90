@@ -77,7 +77,7 @@ contains
     type(error_t), allocatable :: error
 
     wanted = case
-    if (present(task)) call wanted%want([task])
+    if (present(task)) call wanted%request([task])
     call run_study(wanted, '', 1, study, error)
     call check_no_error(t, 'study', error)
   end subroutine study_of
@@ -183,7 +183,7 @@ contains
     integer :: i
 
     both = case
-    call both%want(tasks)
+    call both%request(tasks)
     call study_of(t, both, study)
     call check_equal(t, 'grids for stress and modes: factored once', occurrences(study%log, twice), 1)
     do i = 1, size(tasks)

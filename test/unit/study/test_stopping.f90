@@ -113,7 +113,7 @@ contains
 
     do i = 1, size(whole%tasks)
       associate (info => whole%tasks(i)%info, task => piece%tasks(i)%task)
-        if (.not. whole%tasks(i)%is_wanted) cycle
+        if (.not. whole%tasks(i)%is_requested) cycle
         if (task%is_stopped .and. info%name == 'sweep') then
           call check_part(t, what, piece, whole)
           cycle

@@ -232,7 +232,7 @@ contains
 
     one%rpm = 3000
     one%period = 1e-3_dp
-    one%left_open = open
+    one%other_error = open
     one(1)%mesh%tau = [0.0_dp, 1.0_dp]
     do i = 1, 2
       one(1)%mesh%force(i)%mean = 1000
@@ -265,7 +265,7 @@ contains
 
     one%rpm = 3000
     one%period = 1e-3_dp
-    one%left_open = open
+    one%other_error = open
     associate (mesh => one(1)%mesh, half => one(1)%half)
       mesh%tau = [0.0_dp, 1.0_dp]
       mesh%error = [3e-6_dp, 4e-6_dp]

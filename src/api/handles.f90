@@ -1,5 +1,5 @@
 !> Handles: a study that a caller of another language owns, its number for the caller (its address), and its results by name.
-module gearsweep_api_kept
+module gearsweep_api_handles
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_base, only: closest_word, code_input, column_t, error_t, fail, join, kind_real, kind_text, lines_t, shown, str, &
@@ -7,14 +7,14 @@ module gearsweep_api_kept
   use gearsweep_study, only: study_t
   implicit none
   private
-  public :: kept_t, take, release, find_table, find_column, fail_name, list_tables
+  public :: handle_t, find_study, release, find_table, find_column, fail_name, list_tables
 
   !> A kept study with its tables. It does not change once it is built, so that any number of threads may read it.
-  type :: kept_t
+  type :: handle_t
     type(study_t) :: study
     logical :: is_of_rows = .false.  !< true if its tables are the results of rows of values; the study is that of one row
     type(table_t), allocatable :: tables(:)      !< tables of its results; tables without result are absent
-  end type kept_t
+  end type handle_t
 
   integer, parameter :: longest_name = 63
   character(*), parameter :: kind_names(kind_real:kind_text) = [character(7) :: 'real', 'integer', 'text']
@@ -22,33 +22,33 @@ module gearsweep_api_kept
 contains
 
   !> Returns the study with this number; none for 0.
-  subroutine take(study, kept, error)
+  subroutine find_study(study, handle, error)
     integer(int64), intent(in) :: study
-    type(kept_t), pointer, intent(out) :: kept
+    type(handle_t), pointer, intent(out) :: handle
     type(error_t), allocatable, intent(inout) :: error
     type(c_ptr) :: address
 
-    nullify (kept)
+    nullify (handle)
     if (study == 0) call fail(error, code_input, 'study: 0 is no study; a run returns one, and freeing it sets it to 0')
     if (allocated(error)) return
     address = transfer(study, address)
-    call c_f_pointer(address, kept)
-  end subroutine take
+    call c_f_pointer(address, handle)
+  end subroutine find_study
 
   !> Frees a study and sets its number to 0; does nothing for 0.
   subroutine release(study)
     integer(int64), intent(inout) :: study
-    type(kept_t), pointer :: kept
+    type(handle_t), pointer :: handle
     type(error_t), allocatable :: none
 
-    call take(study, kept, none)
-    if (associated(kept)) deallocate (kept)
+    call find_study(study, handle, none)
+    if (associated(handle)) deallocate (handle)
     study = 0
   end subroutine release
 
   !> Finds the table with this name; the error names the closest one, or all.
-  subroutine find_table(kept, name, table, error)
-    type(kept_t), pointer, intent(in) :: kept
+  subroutine find_table(handle, name, table, error)
+    type(handle_t), pointer, intent(in) :: handle
     character(*), intent(in) :: name
     type(table_t), pointer, intent(out) :: table
     type(error_t), allocatable, intent(inout) :: error
@@ -58,12 +58,12 @@ contains
     nullify (table)
     if (allocated(error)) return
     n = 0
-    allocate (names(size(kept%tables)))
-    do i = 1, size(kept%tables)
-      if (.not. kept%tables(i)%is_there()) cycle
+    allocate (names(size(handle%tables)))
+    do i = 1, size(handle%tables)
+      if (.not. handle%tables(i)%is_there()) cycle
       n = n + 1
-      names(n) = kept%tables(i)%name
-      if (names(n) == name) table => kept%tables(i)
+      names(n) = handle%tables(i)%name
+      if (names(n) == name) table => handle%tables(i)
     end do
     if (.not. associated(table)) call fail_name('table', trim(name), names(:n), error)
   end subroutine find_table
@@ -151,4 +151,4 @@ contains
     call lines%put(name)
     call lines%json_text(words)
   end subroutine put_text
-end module gearsweep_api_kept
+end module gearsweep_api_handles
