@@ -29,7 +29,7 @@ contains
 
     call round_decimal(x, figures, mantissa, power)
     if (mantissa > 0) then
-      call place(merge(1, 0, x < 0), figures, mantissa, power, text, length)
+      call write_digits(merge(1, 0, x < 0), figures, mantissa, power, text, length)
     else if (ieee_is_nan(x)) then
       ! An interrupted sweep has millions of NaN.
       text = 'NaN'
@@ -49,7 +49,7 @@ contains
     integer, intent(in) :: figures
     integer(int64), intent(out) :: mantissa
     integer, intent(out) :: power
-    integer(wide) :: exact, rest, half
+    integer(wide) :: exact, remainder, half
     integer :: k, shift
 
     mantissa = 0
@@ -63,34 +63,34 @@ contains
       if (k < 0 .or. k > most_fives .or. shift < 1 .or. shift > 126) exit
       exact = int(scale(fraction(abs(x)), binary), wide)*five(k)
       half = shiftl(1_wide, shift - 1)
-      rest = iand(exact, 2*half - 1)
+      remainder = iand(exact, 2*half - 1)
       mantissa = int(shiftr(exact, shift), int64)
-      if (rest > half .or. (rest == half .and. btest(mantissa, 0))) mantissa = mantissa + 1
+      if (remainder > half .or. (remainder == half .and. btest(mantissa, 0))) mantissa = mantissa + 1
       if (mantissa >= 10_int64**(figures - 1) .and. mantissa < 10_int64**figures) return
       power = power + merge(1, -1, mantissa >= 10_int64**figures)
     end do
     mantissa = 0
   end subroutine round_decimal
 
-  pure subroutine place(sign, figures, mantissa, power, text, length)
+  pure subroutine write_digits(sign, figures, mantissa, power, text, length)
     integer, intent(in) :: sign, figures, power
     integer(int64), intent(in) :: mantissa
     character(24), intent(out) :: text
     integer, intent(out) :: length
-    integer(int64) :: rest
+    integer(int64) :: remainder
     integer :: at
 
     text = '-'
-    rest = mantissa
+    remainder = mantissa
     do at = sign + figures + 1, sign + 3, -1
-      text(at:at) = figure(rest)
-      rest = rest/10
+      text(at:at) = figure(remainder)
+      remainder = remainder/10
     end do
-    text(sign + 1:sign + 2) = figure(rest)//'.'
+    text(sign + 1:sign + 2) = figure(remainder)//'.'
     length = sign + figures + 6
     text(length - 4:length) = 'E'//merge('-', '+', power < 0)//figure(int(abs(power)/100, int64))// &
                               figure(int(abs(power)/10, int64))//figure(int(abs(power), int64))
-  end subroutine place
+  end subroutine write_digits
 
   !> Last digit of `n`.
   pure character function figure(n)

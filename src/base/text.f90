@@ -38,13 +38,13 @@ contains
   !> Number of characters of an integer: digits and sign.
   pure integer function integer_length(x) result(length)
     integer, intent(in) :: x
-    integer :: rest
+    integer :: remainder
 
     length = merge(2, 1, x < 0)
-    rest = x/10
-    do while (rest /= 0)
+    remainder = x/10
+    do while (remainder /= 0)
       length = length + 1
-      rest = rest/10
+      remainder = remainder/10
     end do
   end function integer_length
 
@@ -593,12 +593,12 @@ contains
   pure function hexadecimal(code) result(word)
     integer, intent(in) :: code
     character(merge(4, 6, code < 65536)) :: word
-    integer :: i, rest
+    integer :: i, remainder
 
-    rest = code
+    remainder = code
     do i = len(word), 1, -1
-      word(i:i) = hex_figures(modulo(rest, 16) + 1:modulo(rest, 16) + 1)
-      rest = rest/16
+      word(i:i) = hex_figures(modulo(remainder, 16) + 1:modulo(remainder, 16) + 1)
+      remainder = remainder/16
     end do
   end function hexadecimal
 end module gearsweep_base_text

@@ -193,7 +193,7 @@ contains
     integer, parameter :: places = 3
     real(dp), parameter :: node(places) = 0.5_dp + [-0.5_dp, 0.0_dp, 0.5_dp]*sqrt(0.6_dp)
     real(dp), parameter :: weight(places) = [5, 8, 5]/18.0_dp
-    real(dp), allocatable :: x(:, :), beside(:, :), couple(:)
+    real(dp), allocatable :: x(:, :), next_tooth(:, :), couple(:)
     real(dp) :: pitch, curvature, turn(places), both(places)
     integer :: i
 
@@ -201,12 +201,12 @@ contains
     call claim_memory(8.0_dp*body%unknowns*(2*places + 6), 'teeth of the section: what neighbours share, on '// &
                       str(body%unknowns)//' unknowns', error)
     if (allocated(error)) return
-    allocate (x(body%unknowns, places), beside(body%unknowns, places), source=0.0_dp)
+    allocate (x(body%unknowns, places), next_tooth(body%unknowns, places), source=0.0_dp)
     pitch = 2*pi*section%gear%base_radius(drive)/section%gear%spec%teeth
     do i = 1, places
       curvature = first + (last - pitch - first)*node(i)
       call load_tooth(section%loaded, curvature, x(:, i))
-      if (.not. allocated(error)) call load_tooth(section%loaded + 1, curvature + pitch, beside(:, i))
+      if (.not. allocated(error)) call load_tooth(section%loaded + 1, curvature + pitch, next_tooth(:, i))
       if (allocated(error)) return
     end do
     allocate (couple(body%unknowns), source=0.0_dp)
@@ -214,17 +214,17 @@ contains
     call body%stiffness%solve(x, error)
     if (allocated(error)) return
     turn = body%thickness*[(dot_product(x(:, i), couple), i=1, places)]
-    both = body%thickness*[(dot_product(x(:, i), beside(:, i)), i=1, places)] - turn
+    both = body%thickness*[(dot_product(x(:, i), next_tooth(:, i)), i=1, places)] - turn
     disc%turn = sum(weight*turn)
     disc%shared = sum(weight*both)
     disc%change = [3*sum(weight*(2*node - 1)*both), 5*sum(weight*(1.5_dp*(2*node - 1)**2 - 0.5_dp)*both)]
     disc%decline = disc%shared
     if (section%loaded + 2 > section%options%teeth) return
-    beside(:, 1) = 0
+    next_tooth(:, 1) = 0
     curvature = first + (last - pitch - first)*node(1)
-    call load_tooth(section%loaded + 2, min(last, curvature + 2*pitch), beside(:, 1))
+    call load_tooth(section%loaded + 2, min(last, curvature + 2*pitch), next_tooth(:, 1))
     if (allocated(error)) return
-    disc%decline = disc%shared - (body%thickness*dot_product(x(:, 1), beside(:, 1)) - turn(1))
+    disc%decline = disc%shared - (body%thickness*dot_product(x(:, 1), next_tooth(:, 1)) - turn(1))
 
   contains
 

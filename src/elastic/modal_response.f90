@@ -292,13 +292,13 @@ contains
   elemental subroutine advance_mode(w, c, h, before, after, p, v)
     real(dp), intent(in) :: w, c, h, before, after
     real(dp), intent(inout) :: p, v
-    real(dp) :: even, odd, rate, rest, rest_rate, square, d, fast, slow
+    real(dp) :: even, odd, rate, transient, transient_rate, square, d, fast, slow
     real(dp), parameter :: small = 1e-3_dp
 
     rate = (after - before)/h/w**2
     ! The transient part (total minus quasi-static) decays as free vibration.
-    rest = p - (before/w**2 - c*rate/w**2)
-    rest_rate = v - rate
+    transient = p - (before/w**2 - c*rate/w**2)
+    transient_rate = v - rate
     ! exp(-c h/2) times cos(d h) and sin(d h)/d with d^2 = w^2 - (c/2)^2 of either sign.
     square = (w - c/2)*(w + c/2)
     d = sqrt(abs(square))
@@ -318,7 +318,7 @@ contains
       even = (slow + fast)/2
       odd = (slow - fast)/(2*d)
     end if
-    p = (even + c/2*odd)*rest + odd*rest_rate + after/w**2 - c*rate/w**2
-    v = (even - c/2*odd)*rest_rate - w**2*odd*rest + rate
+    p = (even + c/2*odd)*transient + odd*transient_rate + after/w**2 - c*rate/w**2
+    v = (even - c/2*odd)*transient_rate - w**2*odd*transient + rate
   end subroutine advance_mode
 end module gearsweep_elastic_modal_response

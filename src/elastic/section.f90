@@ -120,6 +120,8 @@ contains
     integer, allocatable :: part(:, :)
     integer :: across, k
     type(tooth_block_t) :: other
+    real(dp), parameter :: lattice_bytes = 100, grid_bytes = 120
+    real(dp) :: rim_rows
 
     section%gear = gear
     section%options = options
@@ -143,7 +145,11 @@ contains
     end do
     call place_columns(section, block, top)
     call check_size(section, block, (size(top, 2) - 1)/2, error)
-    call claim_lattice(section, block, (size(top, 2) - 1)/2, error)
+    ! Memory of the points of the lattice, and of nodes and elements of the grid, which is copied with the section and the body.
+    rim_rows = max(1.0_dp, block(section%loaded)%across*rim_steps(section, block, section%inner_radius)/growth)
+    call claim_memory((size(top, 2) - 1)/2*((lattice_bytes + grid_bytes)*(rim_rows + 1) + lattice_bytes*maxval(block%upper)) &
+                      + grid_bytes*sum(real(block%across, dp)*block%upper), &
+                      'elements across a tooth = '//str(section%options%elements_across)//': the grid', error)
     if (allocated(error)) return
     call fill_lattice(section, block, top, points, part)
     call make_grid(points, part, is_closed(section), section%grid, error)
@@ -153,22 +159,6 @@ contains
                 ': the rim below the root circle is too thin for a grid; must be thicker (or the bore smaller)')
     end if
   end subroutine make_section
-
-  !> Claims memory for the points of the lattice, and for nodes and elements of the grid, which is copied with the section and the
-  !> body.
-  subroutine claim_lattice(section, block, columns, error)
-    type(section_t), intent(in) :: section
-    type(tooth_block_t), intent(in) :: block(:)
-    integer, intent(in) :: columns
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), parameter :: lattice = 100, grid = 120
-    real(dp) :: rim
-
-    rim = max(1.0_dp, block(section%loaded)%across*rim_steps(section, block, section%inner_radius)/growth)
-    call claim_memory(columns*((lattice + grid)*(rim + 1) + lattice*maxval(block%upper)) &
-                      + grid*sum(real(block%across, dp)*block%upper), &
-                      'elements across a tooth = '//str(section%options%elements_across)//': the grid', error)
-  end subroutine claim_lattice
 
   subroutine check_options(gear, options, error)
     type(gear_t), intent(in) :: gear

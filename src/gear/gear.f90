@@ -48,6 +48,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: curvature
     integer :: side
+    character(:), allocatable :: what
 
     call check_spec(spec, error)
     if (allocated(error)) return
@@ -70,7 +71,21 @@ contains
     end do
     gear%tip_form_radius = gear%flank_end(drive)
     call check_tooth(gear, error)
-    call check_tip(gear, error)
+    if (allocated(error)) return
+    ! A chamfer or rounding must begin on the involute and leave a tip land.
+    what = trim(spec%name)
+    if (spec%tip_chamfer > 0) what = what//' tip chamfer (mm) = '//str(1000*spec%tip_chamfer)
+    if (spec%tip_rounding > 0) what = what//' tip rounding (mm) = '//str(1000*spec%tip_rounding)
+    if (spec%tip_form_diameter > 0) what = what//' tip form diameter (mm) = '//str(1000*spec%tip_form_diameter)
+    if (spec%tip_form_diameter > 2*gear%tip_radius) then
+      call fail(error, code_input, what//': must be at most the tip diameter '//str(2000*gear%tip_radius)//' mm')
+    else if (spec%tip_rounding > gear%tip_radius - maxval(gear%base_radius)) then
+      call fail(error, code_input, what//': must be at most '//str(1000*(gear%tip_radius - maxval(gear%base_radius)))// &
+                ', the height of the tip above the base circle')
+    else if (gear%tip_half_angle(drive) + gear%tip_half_angle(coast) <= 0) then
+      call fail(error, code_input, what//': takes the whole tip, which is '//str(1000*gear%thickness(gear%tip_radius))// &
+                ' mm thick; must leave some of it')
+    end if
   end subroutine make_gear
 
   subroutine check_spec(spec, error)
@@ -192,30 +207,6 @@ contains
     words = trim(tip_quantity(gear))//' = '//str(gear%spec%addendum)
     if (gear%spec%tip_diameter > 0) words = trim(tip_quantity(gear))//' = '//str(1000*gear%spec%tip_diameter)
   end function tip_setting
-
-  !> Checks that a chamfer or rounding begins on the involute and a tip land remains.
-  pure subroutine check_tip(gear, error)
-    type(gear_t), intent(in) :: gear
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: what
-
-    if (allocated(error)) return
-    associate (spec => gear%spec)
-      what = trim(spec%name)
-      if (spec%tip_chamfer > 0) what = what//' tip chamfer (mm) = '//str(1000*spec%tip_chamfer)
-      if (spec%tip_rounding > 0) what = what//' tip rounding (mm) = '//str(1000*spec%tip_rounding)
-      if (spec%tip_form_diameter > 0) what = what//' tip form diameter (mm) = '//str(1000*spec%tip_form_diameter)
-      if (spec%tip_form_diameter > 2*gear%tip_radius) then
-        call fail(error, code_input, what//': must be at most the tip diameter '//str(2000*gear%tip_radius)//' mm')
-      else if (spec%tip_rounding > gear%tip_radius - maxval(gear%base_radius)) then
-        call fail(error, code_input, what//': must be at most '//str(1000*(gear%tip_radius - maxval(gear%base_radius)))// &
-                  ', the height of the tip above the base circle')
-      else if (gear%tip_half_angle(drive) + gear%tip_half_angle(coast) <= 0) then
-        call fail(error, code_input, what//': takes the whole tip, which is '//str(1000*gear%thickness(gear%tip_radius))// &
-                  ' mm thick; must leave some of it')
-      end if
-    end associate
-  end subroutine check_tip
 
   !> Radius (m) at the end of a side's involute: at the tip circle, at its chamfer, or at the start of its rounding, which touches
   !> involute and tip circle.

@@ -130,20 +130,20 @@ contains
   !> Fits the errors of a gear's teeth on the line of action. Excess material reduces the gap, so that the errors are the negative
   !> of the measured deviations. The deviation at the measuring circle is subtracted, as it belongs to the pitch. Fails if a tooth
   !> has too few points on the path, or too large gaps between them.
-  pure subroutine fit_flanks(path, points, pair, gear, c, rest, error)
+  pure subroutine fit_flanks(path, points, pair, gear, c, residual, error)
     character(*), intent(in) :: path             !< path of the file, for messages
     type(flank_points_t), intent(in) :: points   !< points of all teeth
     type(pair_t), intent(in) :: pair
     integer, intent(in) :: gear                  !< 1: pinion, 2: gear
     real(dp), allocatable, intent(out) :: c(:, :)          !< c_n over (s - contact ratio/2)^n, m; (0:4, tooth)
-    real(dp), intent(out) :: rest                !< root mean square of the points' distances from the polynomials, m
+    real(dp), intent(out) :: residual            !< root mean square of the points' distances from the polynomials, m
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: s(:), e(:), u(:)
     logical, allocatable :: on_path(:)
     real(dp) :: measured_at, at_circle, b(0:degree)
     integer :: tooth, used, n
 
-    rest = 0
+    residual = 0
     used = 0
     measured_at = place_of(pair, gear, pair%gear(gear)%curvature(drive, pair%gear(gear)%reference_radius))
     allocate (c(0:degree, size(points%first) - 1))
@@ -156,7 +156,7 @@ contains
         if (allocated(error)) return
         u = 2*pack(s, on_path)/pair%contact_ratio - 1
         b = fitted(u, pack(e, on_path))
-        rest = rest + sum((pack(e, on_path) - value_at(b, u))**2)
+        residual = residual + sum((pack(e, on_path) - value_at(b, u))**2)
         used = used + size(u)
         if (measured_at >= 0 .and. measured_at <= pair%contact_ratio) then
           at_circle = sum(value_at(b, [2*measured_at/pair%contact_ratio - 1]))
@@ -168,7 +168,7 @@ contains
         c(:, tooth) = b*[((2/pair%contact_ratio)**n, n=0, degree)]
       end associate
     end do
-    rest = sqrt(rest/used)
+    residual = sqrt(residual/used)
   end subroutine fit_flanks
 
   !> Path coordinate of the contact of a flank of this gear at this radius of curvature (m).

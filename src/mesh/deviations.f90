@@ -131,14 +131,14 @@ contains
   !> Greatest common divisor of two numbers above 0, by Euclid's algorithm.
   pure integer function common_divisor(a, b)
     integer, intent(in) :: a, b
-    integer :: rest, next
+    integer :: remainder, next
 
     common_divisor = a
-    rest = b
-    do while (rest > 0)
-      next = modulo(common_divisor, rest)
-      common_divisor = rest
-      rest = next
+    remainder = b
+    do while (remainder > 0)
+      next = modulo(common_divisor, remainder)
+      common_divisor = remainder
+      remainder = next
     end do
   end function common_divisor
 

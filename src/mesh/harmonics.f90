@@ -59,7 +59,7 @@ contains
     type(interval_t), allocatable :: intervals(:)
     type(segment_t), allocatable :: segments(:)
     type(integrand_t) :: f
-    complex(dp) :: total(-1:count), whole(-1:count)
+    complex(dp) :: total(-1:count), undivided(-1:count)
     integer :: most, i
 
     most = most_halvings
@@ -78,8 +78,8 @@ contains
     total = 0
     do i = 1, size(segments)
       associate (interval => intervals(segments(i)%interval), a => segments(i)%first, b => segments(i)%last)
-        whole = panel(f, interval, a, b, count)
-        call refine(f, interval, a, b, whole, most, total, harmonics)
+        undivided = panel(f, interval, a, b, count)
+        call refine(f, interval, a, b, undivided, most, total, harmonics)
         harmonics%effective_contact_ratio = harmonics%effective_contact_ratio + &
                                             (b - a)*sum(merge(1, 0, carrying(mesh, balance_t(load), interval, (a + b)/2)))
       end associate
@@ -153,23 +153,23 @@ contains
     end do
   end function panel
 
-  !> Adds the integrals from a to b to `total`: those of the halves if their sum agrees with `whole`, else after further halving.
-  !> Adds the disagreement to the error estimate of `harmonics`.
-  pure recursive subroutine refine(f, interval, a, b, whole, halvings, total, harmonics)
+  !> Adds the integrals from a to b to `total`: those of the halves if their sum agrees with `undivided`, else after further
+  !> halving. Adds the disagreement to the error estimate of `harmonics`.
+  pure recursive subroutine refine(f, interval, a, b, undivided, halvings, total, harmonics)
     type(integrand_t), intent(in) :: f
     type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: a, b
-    complex(dp), intent(in) :: whole(-1:)
+    complex(dp), intent(in) :: undivided(-1:)
     integer, intent(in) :: halvings
     complex(dp), intent(inout) :: total(-1:)
     type(harmonics_t), intent(inout) :: harmonics
-    complex(dp), dimension(-1:ubound(whole, 1)) :: left, right
+    complex(dp), dimension(-1:ubound(undivided, 1)) :: left, right
     real(dp) :: off
 
     associate (middle => (a + b)/2)
-      left = panel(f, interval, a, middle, ubound(whole, 1))
-      right = panel(f, interval, middle, b, ubound(whole, 1))
-      off = maxval(abs(whole - left - right))
+      left = panel(f, interval, a, middle, ubound(undivided, 1))
+      right = panel(f, interval, middle, b, ubound(undivided, 1))
+      off = maxval(abs(undivided - left - right))
       harmonics%samples = harmonics%samples + 2*points
       if (off <= f%tolerance*(b - a) .or. halvings == 0) then
         total = total + left + right

@@ -79,10 +79,10 @@ contains
     end do
   end function static_loss_factor
 
-  !> Integral from phase a to b by repeated halving; `whole` is its first value.
-  pure recursive real(dp) function refined(f, a, b, whole, halvings) result(total)
+  !> Integral from phase a to b by repeated halving; `undivided` is its first value.
+  pure recursive real(dp) function refined(f, a, b, undivided, halvings) result(total)
     type(integrand_t), intent(in) :: f
-    real(dp), intent(in) :: a, b, whole
+    real(dp), intent(in) :: a, b, undivided
     integer, intent(in) :: halvings
     real(dp), parameter :: tolerance = 1e-14_dp
     real(dp) :: middle, left, right
@@ -91,7 +91,7 @@ contains
     left = panel(f, a, middle)
     right = panel(f, middle, b)
     total = left + right
-    if (abs(total - whole) <= tolerance*(b - a) .or. halvings == 0) return
+    if (abs(total - undivided) <= tolerance*(b - a) .or. halvings == 0) return
     total = refined(f, a, middle, left, halvings - 1) + refined(f, middle, b, right, halvings - 1)
   end function refined
 

@@ -112,23 +112,23 @@ contains
     integer, intent(out) :: finer
     type(error_t), allocatable, intent(inout) :: error
     real(dp), parameter :: slack = 1e-9_dp
-    real(dp) :: whole
+    real(dp) :: duration
     integer :: n, k
 
-    whole = time(size(time)) - time(1)
+    duration = time(size(time)) - time(1)
     if (look%step > 0) then
-      if (whole/look%step > most_steps) then
+      if (duration/look%step > most_steps) then
         call fail(error, code_input, 'step of the passage (s) = '//str(look%step)//': the passage takes more than '// &
                   str(most_steps)//' steps')
         return
       end if
-      n = max(1, floor(whole/look%step*(1 + slack)))
-      sample = time(1) + min(whole, [(look%step*k, k=0, n)])
+      n = max(1, floor(duration/look%step*(1 + slack)))
+      sample = time(1) + min(duration, [(look%step*k, k=0, n)])
       finer = 1
     else
       n = look%samples
-      sample = time(1) + [(whole*k/n, k=0, n)]
-      finer = max(1, ceiling(min(per_period*whole*maxval(frequency)/(2*pi), real(most_looks, dp))/n))
+      sample = time(1) + [(duration*k/n, k=0, n)]
+      finer = max(1, ceiling(min(per_period*duration*maxval(frequency)/(2*pi), real(most_looks, dp))/n))
     end if
   end subroutine choose_times
 
