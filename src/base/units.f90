@@ -19,12 +19,11 @@ module gearsweep_base_units
     unit_t('', 1.0_dp), unit_t('mm', 1e-3_dp, 1e3_dp), unit_t('um', 1e-6_dp, 1e6_dp), unit_t('mm2', 1e-6_dp, 1e6_dp), &
     unit_t('deg', pi/180), unit_t('s', 1.0_dp), unit_t('ms', 1e-3_dp, 1e3_dp), unit_t('us', 1e-6_dp, 1e6_dp), &
     unit_t('h', 3600.0_dp), unit_t('1/s', 1.0_dp), unit_t('Hz', 1.0_dp), unit_t('1/min', 1.0_dp), unit_t('1/min/s', 1.0_dp), &
-    unit_t('m/s', 1.0_dp), unit_t('mm/s', 1e-3_dp, 1e3_dp), unit_t('N', 1.0_dp), unit_t('N m', 1.0_dp), unit_t('N*m', 1.0_dp), &
-    unit_t('W', 1.0_dp), unit_t('MPa', 1e6_dp, 1e-6_dp), unit_t('sqrt(MPa)', 1e3_dp, 1e-3_dp), unit_t('GPa', 1e9_dp), &
-    unit_t('1/GPa', 1e-9_dp, 1e9_dp), unit_t('mPa s', 1e-3_dp, 1e3_dp), unit_t('N/um', 1e6_dp), unit_t('um/N', 1e-6_dp, 1e6_dp), &
-    unit_t('um/m', 1e-6_dp, 1e6_dp), unit_t('N/mm', 1e3_dp), unit_t('N/um/mm', 1e9_dp, 1e-9_dp), &
-    unit_t('N/(mm um)', 1e9_dp, 1e-9_dp), unit_t('kg', 1.0_dp), unit_t('kg/mm', 1e3_dp, 1e-3_dp), unit_t('kg m^2', 1.0_dp), &
-    unit_t('kg*m**2', 1.0_dp), unit_t('kg**-0.5', 1.0_dp), unit_t('kg/m^3', 1.0_dp), unit_t('K', 1.0_dp), &
+    unit_t('m/s', 1.0_dp), unit_t('mm/s', 1e-3_dp, 1e3_dp), unit_t('N', 1.0_dp), unit_t('N m', 1.0_dp), unit_t('W', 1.0_dp), &
+    unit_t('MPa', 1e6_dp, 1e-6_dp), unit_t('sqrt(MPa)', 1e3_dp, 1e-3_dp), unit_t('GPa', 1e9_dp), unit_t('1/GPa', 1e-9_dp, 1e9_dp), &
+    unit_t('mPa s', 1e-3_dp, 1e3_dp), unit_t('N/um', 1e6_dp), unit_t('um/N', 1e-6_dp, 1e6_dp), unit_t('um/m', 1e-6_dp, 1e6_dp), &
+    unit_t('N/mm', 1e3_dp), unit_t('N/(mm um)', 1e9_dp, 1e-9_dp), unit_t('kg', 1.0_dp), unit_t('kg/mm', 1e3_dp, 1e-3_dp), &
+    unit_t('kg m^2', 1.0_dp), unit_t('kg**-0.5', 1.0_dp), unit_t('kg/m^3', 1.0_dp), unit_t('K', 1.0_dp), &
     unit_t('W/(m K)', 1.0_dp), unit_t('J/(kg K)', 1.0_dp)]
 
 contains

@@ -104,7 +104,7 @@ contains
       if (allocated(error)) return
       call table%add_words('gear', 'pinion or gear', [trim(gear_names(stages%gear))])
       call table%add('mass_kg', 'kg', 'mass', [found%mass])
-      call table%add('polar_inertia_kgm2', 'kg*m**2', 'moment of inertia about the axis', [found%inertia])
+      call table%add('polar_inertia_kgm2', 'kg m^2', 'moment of inertia about the axis', [found%inertia])
       call table%add('rigid_motions', '', 'motions as a rigid body that the bore leaves; they are not among the modes', &
                      [found%rigid])
       call table%add('sectors', '', 'tooth sectors', [found%sector%sectors])

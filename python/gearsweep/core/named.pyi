@@ -387,15 +387,15 @@ class TorqueTable(Table):
     time_s: NDArray[float64]
     """s: the same time"""
     pinion_torque_nm: NDArray[float64]
-    """N*m: torque that the mesh takes from the pinion"""
+    """N m: torque that the mesh takes from the pinion"""
     gear_torque_nm: NDArray[float64]
-    """N*m: torque that the mesh gives to the gear"""
+    """N m: torque that the mesh gives to the gear"""
     pinion_friction_nm: NDArray[float64]
-    """N*m: friction's share of the pinion's torque"""
+    """N m: friction's share of the pinion's torque"""
     gear_friction_nm: NDArray[float64]
-    """N*m: friction's share of the gear's torque"""
+    """N m: friction's share of the gear's torque"""
     pinion_damping_nm: NDArray[float64]
-    """N*m: what damping carries of the pinion's torque; of the gear's it carries as much as the base radii have it"""
+    """N m: what damping carries of the pinion's torque; of the gear's it carries as much as the base radii have it"""
     dte_um: NDArray[float64]
     """um: dynamic transmission error along the line of action, without the turning of whole gears about their bores"""
 
@@ -407,25 +407,25 @@ class TorquePointsTable(Table):
     rpm: NDArray[float64]
     """1/min: speed of the pinion"""
     pinion_mean_nm: NDArray[float64]
-    """N*m: mean torque of the pinion; without friction it is the static one"""
+    """N m: mean torque of the pinion; without friction it is the static one"""
     pinion_least_nm: NDArray[float64]
-    """N*m: least torque"""
+    """N m: least torque"""
     pinion_largest_nm: NDArray[float64]
-    """N*m: largest torque"""
+    """N m: largest torque"""
     pinion_error_nm: NDArray[float64]
-    """N*m: estimated error of these three; NaN where it is not known"""
+    """N m: estimated error of these three; NaN where it is not known"""
     pinion_friction_mean_nm: NDArray[float64]
-    """N*m: friction's share of the mean torque"""
+    """N m: friction's share of the mean torque"""
     gear_mean_nm: NDArray[float64]
-    """N*m: mean torque of the gear; without friction it is the static one"""
+    """N m: mean torque of the gear; without friction it is the static one"""
     gear_least_nm: NDArray[float64]
-    """N*m: least torque"""
+    """N m: least torque"""
     gear_largest_nm: NDArray[float64]
-    """N*m: largest torque"""
+    """N m: largest torque"""
     gear_error_nm: NDArray[float64]
-    """N*m: estimated error of these three; NaN where it is not known"""
+    """N m: estimated error of these three; NaN where it is not known"""
     gear_friction_mean_nm: NDArray[float64]
-    """N*m: friction's share of the mean torque"""
+    """N m: friction's share of the mean torque"""
     friction_loss: NDArray[float64]
     """part of the pinion's power that friction between the flanks takes"""
     dynamic_factor: NDArray[float64]
@@ -451,17 +451,17 @@ class TorqueHarmonicsTable(Table):
     frequency_hz: NDArray[float64]
     """Hz: frequency of that harmonic"""
     pinion_amplitude_nm: NDArray[float64]
-    """N*m: half of peak-to-peak of the torque of the pinion; the mean for harmonic 0"""
+    """N m: half of peak-to-peak of the torque of the pinion; the mean for harmonic 0"""
     pinion_phase_deg: NDArray[float64]
     """deg: its phase at tau = 0, where a pair enters at A, where the amplitude is larger than its error"""
     pinion_error_nm: NDArray[float64]
-    """N*m: estimated error of the amplitude; NaN where it is not known"""
+    """N m: estimated error of the amplitude; NaN where it is not known"""
     gear_amplitude_nm: NDArray[float64]
-    """N*m: half of peak-to-peak of the torque of the gear; the mean for harmonic 0"""
+    """N m: half of peak-to-peak of the torque of the gear; the mean for harmonic 0"""
     gear_phase_deg: NDArray[float64]
     """deg: its phase at tau = 0, where a pair enters at A, where the amplitude is larger than its error"""
     gear_error_nm: NDArray[float64]
-    """N*m: estimated error of the amplitude; NaN where it is not known"""
+    """N m: estimated error of the amplitude; NaN where it is not known"""
 
 class SweepTable(Table):
     """dynamic factor over speed and relief"""
@@ -1927,7 +1927,7 @@ class GearBodyTable(Table):
     mass_kg: float
     """kg: mass"""
     polar_inertia_kgm2: float
-    """kg*m**2: moment of inertia about the axis"""
+    """kg m^2: moment of inertia about the axis"""
     rigid_motions: int
     """motions as a rigid body that the bore leaves; they are not among the modes"""
     sectors: int
@@ -2051,7 +2051,7 @@ class MotionTable(Table):
     mean_mesh_stiffness_n_um: float
     """N/um: mean over a mesh period of all pairs in contact"""
     mean_mesh_stiffness_n_um_mm: float
-    """N/um/mm: the same per mm of face width"""
+    """N/(mm um): the same per mm of face width"""
     natural_frequency_hz: float
     """Hz: of the mean mesh stiffness and the effective masses"""
     resonance_rpm: float

@@ -137,7 +137,7 @@ contains
       call table%add('largest_pair_stiffness_n_um', 'N/um', 'largest stiffness of a pair on its path, whole face width', &
                      [mesh%stiffness%maximum()])
       call table%add('mean_mesh_stiffness_n_um', 'N/um', 'mean over a mesh period of all pairs in contact', [mean])
-      if (width > 0) call table%add('mean_mesh_stiffness_n_um_mm', 'N/um/mm', 'the same per mm of face width', &
+      if (width > 0) call table%add('mean_mesh_stiffness_n_um_mm', 'N/(mm um)', 'the same per mm of face width', &
                                     [mean/width])
       if (case%model == 'iso6336') call add_iso_columns(study, table)
       call table%add('natural_frequency_hz', 'Hz', 'of the mean mesh stiffness and the effective masses', [frequency])

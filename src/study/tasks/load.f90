@@ -362,11 +362,11 @@ contains
     call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
     call table%add_index(axis('tau', '', 'time in mesh periods since a pair entered at A; both ends of each step', values(:, 3)))
     call table%add('time_s', 's', 'the same time', values(:, 4))
-    call table%add('pinion_torque_nm', 'N*m', 'torque that the mesh takes from the pinion', values(:, 5))
-    call table%add('gear_torque_nm', 'N*m', 'torque that the mesh gives to the gear', values(:, 6))
-    call table%add('pinion_friction_nm', 'N*m', 'friction''s share of the pinion''s torque', values(:, 7))
-    call table%add('gear_friction_nm', 'N*m', 'friction''s share of the gear''s torque', values(:, 8))
-    call table%add('pinion_damping_nm', 'N*m', 'what damping carries of the pinion''s torque; of the gear''s it carries as '// &
+    call table%add('pinion_torque_nm', 'N m', 'torque that the mesh takes from the pinion', values(:, 5))
+    call table%add('gear_torque_nm', 'N m', 'torque that the mesh gives to the gear', values(:, 6))
+    call table%add('pinion_friction_nm', 'N m', 'friction''s share of the pinion''s torque', values(:, 7))
+    call table%add('gear_friction_nm', 'N m', 'friction''s share of the gear''s torque', values(:, 8))
+    call table%add('pinion_damping_nm', 'N m', 'what damping carries of the pinion''s torque; of the gear''s it carries as '// &
                    'much as the base radii have it', values(:, 9))
     call table%add('dte_um', 'um', 'dynamic transmission error along the line of action, without the turning of whole '// &
                    'gears about their bores', values(:, 10))
@@ -422,12 +422,12 @@ contains
     call table%add_index(axis('rpm', '1/min', of_speed, [runs%rpm]))
     do gear = 1, 2
       associate (name => gear_names(gear))
-        call table%add(trim(name)//'_mean_nm', 'N*m', 'mean torque of the '//trim(name)//'; without friction it is the '// &
+        call table%add(trim(name)//'_mean_nm', 'N m', 'mean torque of the '//trim(name)//'; without friction it is the '// &
                        'static one', values(:, 1, gear))
-        call table%add(trim(name)//'_least_nm', 'N*m', 'least torque', values(:, 2, gear))
-        call table%add(trim(name)//'_largest_nm', 'N*m', 'largest torque', values(:, 3, gear))
-        call table%add(trim(name)//'_error_nm', 'N*m', 'estimated error of these three'//unknown, values(:, 4, gear))
-        call table%add(trim(name)//'_friction_mean_nm', 'N*m', 'friction''s share of the mean torque', values(:, 5, gear))
+        call table%add(trim(name)//'_least_nm', 'N m', 'least torque', values(:, 2, gear))
+        call table%add(trim(name)//'_largest_nm', 'N m', 'largest torque', values(:, 3, gear))
+        call table%add(trim(name)//'_error_nm', 'N m', 'estimated error of these three'//unknown, values(:, 4, gear))
+        call table%add(trim(name)//'_friction_mean_nm', 'N m', 'friction''s share of the mean torque', values(:, 5, gear))
       end associate
     end do
     call table%add('friction_loss', '', 'part of the pinion''s power that friction between the flanks takes', loss)
@@ -476,11 +476,11 @@ contains
     call table%add('frequency_hz', 'Hz', 'frequency of that harmonic', values(:, 4))
     do gear = 1, 2
       associate (name => gear_names(gear), first => 3*gear + 2)
-        call table%add(trim(name)//'_amplitude_nm', 'N*m', 'half of peak-to-peak of the torque of the '//trim(name)// &
+        call table%add(trim(name)//'_amplitude_nm', 'N m', 'half of peak-to-peak of the torque of the '//trim(name)// &
                        '; the mean for harmonic 0', values(:, first))
         call table%add(trim(name)//'_phase_deg', 'deg', 'its phase at tau = 0, where a pair enters at A, where the amplitude '// &
                        'is larger than its error', values(:, first + 1))
-        call table%add(trim(name)//'_error_nm', 'N*m', 'estimated error of the amplitude'//unknown, values(:, first + 2))
+        call table%add(trim(name)//'_error_nm', 'N m', 'estimated error of the amplitude'//unknown, values(:, first + 2))
       end associate
     end do
   end subroutine fill_torque_harmonics

@@ -102,9 +102,9 @@ contains
   subroutine units(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: names(*) = [character(9) :: '', 'mm', 'um', 'mm2', 'ms', 'h', '1/min', 'mm/s', 'MPa', 'GPa', &
-                                           'mPa s', 'N/um', 'um/N', 'N/mm', 'N/um/mm', 'N/(mm um)', 'kg/mm', 'deg']
+                                           'mPa s', 'N/um', 'um/N', 'N/mm', 'N/(mm um)', 'kg/mm', 'deg']
     real(dp), parameter :: sizes(size(names)) = [1.0_dp, 1e-3_dp, 1e-6_dp, 1e-6_dp, 1e-3_dp, 3600.0_dp, 1.0_dp, 1e-3_dp, 1e6_dp, &
-                                                 1e9_dp, 1e-3_dp, 1e6_dp, 1e-6_dp, 1e3_dp, 1e9_dp, 1e9_dp, 1e3_dp, &
+                                                 1e9_dp, 1e-3_dp, 1e6_dp, 1e-6_dp, 1e3_dp, 1e9_dp, 1e3_dp, &
                                                  acos(-1.0_dp)/180]
     real(dp), parameter :: written(*) = [0.0_dp, 0.1_dp, -12.5_dp, 20.0_dp, 0.003_dp, 1234.567_dp]
     real(dp), parameter :: root_of_two = 1.4142135623730951_dp

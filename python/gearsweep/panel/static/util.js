@@ -33,7 +33,7 @@ export function shown(value, digits = 5) {
   return words.replace('-', '−');
 }
 
-const SIGNS = { um: 'µm', deg: '°', 'N m': 'N·m', 'N*m': 'N·m', 'kg m^2': 'kg·m²', 'kg/m^3': 'kg/m³', 'N/um': 'N/µm', mm2: 'mm²', 'N/um/mm': 'N/(µm·mm)', 'um/N': 'µm/N', 'mPa s': 'mPa·s', 'W/(m K)': 'W/(m·K)', 'J/(kg K)': 'J/(kg·K)', 'kg**-0.5': 'kg^(−1/2)' };
+const SIGNS = { um: 'µm', deg: '°', 'N m': 'N·m', 'kg m^2': 'kg·m²', 'kg/m^3': 'kg/m³', 'N/um': 'N/µm', mm2: 'mm²', 'N/(mm um)': 'N/(mm·µm)', 'um/N': 'µm/N', 'mPa s': 'mPa·s', 'W/(m K)': 'W/(m·K)', 'J/(kg K)': 'J/(kg·K)', 'kg**-0.5': 'kg^(−1/2)' };
 export const unit = (word) => SIGNS[word] ?? word.replaceAll('um', 'µm');
 
 /** What people read for names: of numbers, tasks by what they are for, and words of a case. The server tells them. */
