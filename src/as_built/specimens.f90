@@ -167,7 +167,8 @@ contains
     stages%running%done = stages%running%done + size(rpm)*size(osc)
   end subroutine sweep_each
 
-  !> Finds the teeth that carry the largest load with each relief, and its place on their path.
+  !> Finds the teeth that carry the largest load with each relief, and its place on their path. Returns early if the caller stops the
+  !> run.
   subroutine find_worst(stages, osc, specimen, error, unit_stress)
     type(stages_t), intent(in) :: stages
     type(oscillator_t), intent(in) :: osc(:)     ! (relief)
@@ -179,6 +180,7 @@ contains
 
     allocate (specimen%worst(size(osc)))
     do i = 1, size(osc)
+      if (wants_stop(stages%accuracy%steady%stop)) return
       associate (factor => specimen%sweep%dynamic_factor(:, i), found => has_result(specimen%sweep%status(:, i)))
         if (.not. any(found)) cycle
         k = maxloc(factor, 1, mask=found)

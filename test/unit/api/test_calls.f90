@@ -185,7 +185,7 @@ contains
     call refused(t, 'keeping the state of a run', error, 'keep = another: a single run is no longer resumed from a file')
     study = 0
     call size_of(study, 'mesh', 's', rows, kind, width, error)
-    call refused(t, 'no study', error, 'study: is 0')
+    call refused(t, 'no study', error, 'study: 0 is no study')
     call make(small, study, error)
     rows = -7
     call size_of(study, 'meshes', 's', rows, kind, width, error)
