@@ -191,7 +191,7 @@ contains
     real(dp), intent(in) :: amount, rpm(:)
     type(sweep_options_t), intent(in) :: options
     type(optimum_t), intent(inout) :: optimum
-    logical, intent(out) :: may_be_best              !< true: the relief may still be the best
+    logical, intent(out) :: may_be_best          !< true: the relief may still be the best
     type(error_t), allocatable, intent(inout) :: error
     integer, parameter :: some = 8
     type(sweep_options_t) :: alone

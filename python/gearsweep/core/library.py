@@ -73,7 +73,7 @@ class UnusedWarning(UserWarning):
 
 
 def check_seconds(name: str, value: Any) -> None:
-    """Raises an `Error` unless the time limit is None or a number above 0; `name`: of the argument."""
+    """Raises an `Error`, which names the argument `name`, unless the time limit is None or a number above 0."""
     if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)) or not value > 0):
         raise Error(f'{name} = {value!r}: must be a number of seconds above 0')
 
