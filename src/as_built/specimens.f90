@@ -167,8 +167,8 @@ contains
     stages%running%done = stages%running%done + size(rpm)*size(osc)
   end subroutine sweep_each
 
-  !> Finds the teeth that carry the largest load with each relief, and its place on their path. Returns early if the caller stops the
-  !> run.
+  !> Finds the teeth that carry the largest load with each relief, and its place on their path. Returns early if the caller stops
+  !> the run.
   subroutine find_worst(stages, osc, specimen, error, unit_stress)
     type(stages_t), intent(in) :: stages
     type(oscillator_t), intent(in) :: osc(:)     ! (relief)
