@@ -39,7 +39,7 @@ module gearsweep_study
   ! Cache keys of the stages of a study.
   use gearsweep_study_run_inputs, only: motions_inputs_t
   ! Texts, limits and helpers of the tables of several tasks.
-  use gearsweep_study_run_points, only: add_more_rows, add_seen, factor_text, known_count, most_rows, of_coast, of_dte_estimate, &
+  use gearsweep_study_run_points, only: add_seen, known_count, of_coast, of_dte_estimate, &
     of_dte_range, of_dte_rms, of_estimate, of_factor, of_motions, of_periods, of_relief, of_speed, of_status, status_length, &
     words_of
   ! Products of the stages that several tasks use, the section of a gear among them, and the type of a task that can be run.

@@ -4,11 +4,11 @@
 !> are computed over a revolution at chosen speeds: load of each pair of teeth, transmission error, orders.
 module gearsweep_as_built_task_as_built
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_base, only: claim_memory, code_input, dp, error_t, fail, fixed, lines_t, no_number, right, str, wants_stop
+  use gearsweep_base, only: claim_memory, code_input, dp, error_t, fail, fixed, lines_t, no_number, str, wants_stop
   use gearsweep_gear, only: fit_flanks, flank_points_t, read_flank_points
   use gearsweep_mesh, only: smooth_intervals
   use gearsweep_motion, only: has_result, oscillator_t, scheme_collocation, sweep_t, turn_t
-  use gearsweep_study, only: case_facts_t, check_reliefs, factor_text, gear_names, is_prescribed, needs_gears, reader_t, &
+  use gearsweep_study, only: case_facts_t, check_reliefs, gear_names, is_prescribed, needs_gears, reader_t, &
     runnable_t, stage, stages_t, task_info_t, text_unless
   use gearsweep_as_built_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
   use gearsweep_as_built_specimens, only: deviating, draw_specimens, follow_turn, run_specimens, specimen_t, &
@@ -265,23 +265,12 @@ contains
       if (specimens > 1) then
         call lines%add('Gears as built: largest dynamic factor over the speeds; pairs of gears: '//str(worst%extent(2))// &
                        ', assemblies: '//str(worst%extent(3)))
-        call lines%add('   relief um   nominal     least    median      95 %   largest      at rpm   pair of gears   assembly')
+        call summary%show(lines, 'relief_um nominal_factor least_factor median_factor quantile_95_factor largest_factor rpm '// &
+                          'worst_draw worst_assembly')
       else
         call lines%add('Gears as built: largest dynamic factor over the speeds')
-        call lines%add('   relief um   nominal  as built      at rpm   pinion tooth   gear tooth')
+        call worst%show(lines, 'relief_um nominal_factor dynamic_factor rpm pinion_tooth gear_tooth')
       end if
-      do row = 1, summary%rows
-        call lines%put(right(str(summary%number('relief_um', row)), 12)//factor_text(summary%number('nominal_factor', row)))
-        if (specimens > 1) then
-          call lines%add(factor_text(summary%number('least_factor', row))//factor_text(summary%number('median_factor', row))// &
-                         factor_text(summary%number('quantile_95_factor', row))// &
-                         factor_text(summary%number('largest_factor', row))//right(str(summary%number('rpm', row)), 12)// &
-                         right(str(summary%number('worst_draw', row)), 16)//right(str(summary%number('worst_assembly', row)), 11))
-        else
-          call lines%add(factor_text(worst%number('dynamic_factor', row))//right(str(worst%number('rpm', row)), 12)// &
-                         right(str(worst%number('pinion_tooth', row)), 15)//right(str(worst%number('gear_tooth', row)), 13))
-        end if
-      end do
       if (self%quick) then
         associate (off => [(summary%number('sample_error', row), row=1, summary%rows)])
           if (.not. all(ieee_is_nan(off))) call lines%add('   found quickly; those of a sample differ from those to the '// &

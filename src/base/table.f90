@@ -12,11 +12,12 @@
 !> In CSV, lines that begin with `#` carry version, meaning, the columns' units and meanings, and the case;
 !> numbers have 15 significant digits.
 module gearsweep_base_table
-  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use gearsweep_base_error, only: code_numerical, error_t, fail
   use gearsweep_base_kinds, only: dp
-  use gearsweep_base_lines, only: lines_t
+  use gearsweep_base_lines, only: left, lines_t, right
   use gearsweep_base_memory, only: claim_memory
+  use gearsweep_base_text, only: fixed, lower, str
   use gearsweep_base_text_rows, only: find_lines, row_t
   use gearsweep_base_units, only: in_unit, is_unit
   use gearsweep_base_version, only: version
@@ -69,6 +70,7 @@ module gearsweep_base_table
     procedure :: numbers
     procedure :: number
     procedure :: word
+    procedure :: show
     procedure :: bytes
     procedure :: text_bytes
   end type table_t
@@ -361,6 +363,88 @@ contains
 
     word = self%columns(self%position(name))%words(row)
   end function word
+
+  !> Adds columns of the table to the screen, each below its name and unit. Columns that the table lacks or that have no number in
+  !> any row shown are omitted; of a long table the first rows are shown.
+  pure subroutine show(self, screen, columns)
+    class(table_t), intent(in) :: self
+    type(lines_t), intent(inout) :: screen
+    character(*), intent(in) :: columns          !< names of the columns, a blank between two
+    integer, parameter :: most = 60, line_length = 300
+    character(line_length) :: line(-1:min(self%rows, most))  ! two for the names
+    character(word_length) :: cells(-1:min(self%rows, most))
+    integer :: first, last, at, row, used, width
+
+    line = ''
+    used = 0
+    last = -1
+    do while (last < len(columns))
+      first = last + 2
+      last = first + index(columns(first:)//' ', ' ') - 2
+      at = self%position(columns(first:last))
+      if (at == 0) cycle
+      cells(0) = heading(self%columns(at))
+      width = index(cells(0)(:len_trim(cells(0))/2 + 1), ' ', back=.true.)
+      cells(-1) = cells(0)(:width)
+      cells(0) = cells(0)(width + 1:)
+      do row = 1, ubound(cells, 1)
+        cells(row) = cell(self%columns(at), row)
+      end do
+      if (all(cells(1:) == '-')) cycle
+      width = maxval(len_trim(cells))
+      do row = -1, ubound(cells, 1)
+        line(row)(used + 4:) = right(trim(cells(row)), width)
+        if (self%columns(at)%kind == kind_text) line(row)(used + 4:) = left(cells(row), width)
+      end do
+      used = used + 3 + width
+    end do
+    if (used == 0) return
+    do row = merge(0, -1, line(-1) == ''), ubound(line, 1)
+      call screen%add(trim(line(row)))
+    end do
+    if (self%rows > most) call screen%add('   and '//str(self%rows - most)//' more in the table '//self%name)
+  end subroutine show
+
+  !> Name of a column in words, with its unit.
+  pure character(word_length) function heading(column)
+    type(column_t), intent(in) :: column
+    character(9) :: suffix
+    integer :: i
+
+    heading = column%name
+    do i = 1, len_trim(heading)
+      if (heading(i:i) == '_') heading(i:i) = ' '
+    end do
+    ! Names end in their units: relief_um, pinion_mean_nm.
+    suffix = lower(column%unit)
+    if (suffix == 'n m') suffix = 'nm'
+    i = len_trim(heading) - len_trim(suffix)
+    if (i > 1) then
+      if (heading(i:) == ' '//suffix) heading(i + 1:) = column%unit
+    end if
+  end function heading
+
+  !> Value of a column for the screen: of errors two digits, of factors four decimals, of other results five digits.
+  pure character(word_length) function cell(column, row)
+    type(column_t), intent(in) :: column
+    integer, intent(in) :: row
+
+    if (column%kind == kind_text) then
+      cell = column%words(row)
+    else if (ieee_is_nan(column%numbers(row))) then
+      cell = '-'
+    else if (column%kind == kind_integer) then
+      cell = str(nint(column%numbers(row)))
+    else if (column%is_index) then
+      cell = str(column%numbers(row))
+    else if (index(column%name, 'estimate') > 0 .or. index(column%name, 'error') > 0 .or. column%name == 'residual') then
+      cell = str(column%numbers(row), 2)
+    else if (index(column%name, 'factor') > 0) then
+      cell = fixed(column%numbers(row), 4)
+    else
+      cell = str(column%numbers(row), merge(6, 5, abs(column%numbers(row)) >= 1e5_dp))
+    end if
+  end function cell
 
   !> Memory of all values in bytes.
   pure real(dp) function bytes(self)

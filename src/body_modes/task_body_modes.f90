@@ -1,7 +1,7 @@
 !> The task `body_modes`: natural modes of a whole gear in three dimensions, of every nodal diameter (see
 !> gearsweep_body_modes_body_modes).
 module gearsweep_body_modes_task_body_modes
-  use gearsweep_base, only: axis, code_input, dp, error_t, fail, left, lines_t, right, str, table_t
+  use gearsweep_base, only: axis, code_input, dp, error_t, fail, lines_t, str, table_t
   use gearsweep_study, only: gear_names, is_prescribed, needs_gears, reader_t, runnable_t, sentence_length, stage, stages_t, &
     task_info_t, text_unless
   use gearsweep_body_modes_body_modes, only: body_modes_t, body_options_t, find_body_modes, name_length, name_of
@@ -245,14 +245,7 @@ contains
                      ' kg, '//str(body%number('polar_inertia_kgm2', 1), 4)//' kg m^2')
       if (body%number('rigid_motions', 1) > 0) call lines%add('Motions as a rigid body, left out: '// &
         str(nint(body%number('rigid_motions', 1))))
-      call lines%add('   mode          Hz   error est. %   residual   name')
-      do i = 1, min(most, modes%rows)
-        call lines%add(right(str(i), 7)//right(str(modes%number('frequency_hz', i), 6), 12)// &
-                       right(str(100*modes%number('error_estimate', i), 2), 15)// &
-                       right(str(modes%number('residual', i), 1), 11)//'   '//trim(modes%word('mode_name', i))// &
-                       trim(merge(', twice', '       ', nint(modes%number('multiplicity', i)) == 2)))
-      end do
-      if (modes%rows > most) call lines%add(left('', 7)//'and '//str(modes%rows - most)//' more in the table body_modes')
+      call modes%show(lines, 'mode frequency_hz error_estimate residual mode_name multiplicity')
     end associate
   end subroutine add_report
 end module gearsweep_body_modes_task_body_modes

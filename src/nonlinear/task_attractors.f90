@@ -2,10 +2,10 @@
 !> (see gearsweep_motion_attractors).
 module gearsweep_nonlinear_task_attractors
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_base, only: axis, claim_memory, code_memory, dp, error_t, fail, fixed, left, lines_t, no_number, right, str, table_t
+  use gearsweep_base, only: axis, claim_memory, code_memory, dp, error_t, fail, left, lines_t, no_number, str, table_t
   use gearsweep_motion, only: attractor_options_t, attractors_t, contact_name, contact_of, find_attractors, has_result, &
     largest_reached, mesh_period, start_states, status_ok, status_stopped
-  use gearsweep_study, only: add_more_rows, factor_text, most_rows, of_estimate, of_factor, of_periods, of_relief, of_speed, &
+  use gearsweep_study, only: of_estimate, of_factor, of_periods, of_relief, of_speed, &
     of_status, reader_t, runnable_t, stage, stages_t, task_info_t, words_of
   implicit none
   private
@@ -229,22 +229,12 @@ contains
   pure subroutine add_report(self, lines)
     class(attractors_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    character(12) :: share
     integer :: i
 
     associate (found => self%tables(self%place('attractors')), points => self%tables(self%place('attractor_points')))
       call lines%add('')
       call lines%add('Attracting motions, '//str(points%extent(2))//' speeds, '//str(self%options%starts**2)//' starts each')
-      call lines%add('   relief um      at rpm   periods        DF   starts, %   contact')
-      do i = 1, min(found%rows, most_rows)
-        share = fixed(100*found%number('share', i), 1)
-        if (found%number('starts', i) <= 0) share = 'none'
-        call lines%add(right(str(found%number('relief_um', i)), 12)//right(str(found%number('rpm', i), 6), 12)// &
-                       right(str(nint(found%number('mesh_periods', i))), 10)// &
-                       factor_text(found%number('dynamic_factor', i))// &
-                       right(trim(share), 12)//'   '//trim(found%word('contact', i)))
-      end do
-      call add_more_rows(found%rows, found%name, lines)
+      call found%show(lines, 'relief_um rpm mesh_periods dynamic_factor starts share contact')
       call lines%add(left('Several motions', 19)//'at '//str(count(points%numbers('motions') > 1))//' of '//str(points%rows)// &
                      ' operating points')
       i = count(points%numbers('unsettled_share') > 0)

@@ -1,9 +1,9 @@
 !> The task `branches`: periodic motions over speed, damping ratio, relief or load, attracting or not, with their folds,
 !> doublings and grazings (see gearsweep_nonlinear_branch_search).
 module gearsweep_nonlinear_task_branches
-  use gearsweep_base, only: axis, code_input, dp, error_t, fail, left, lines_t, no_number, right, str, table_t
+  use gearsweep_base, only: axis, code_input, dp, error_t, fail, lines_t, no_number, str, table_t
   use gearsweep_motion, only: attractor_options_t, contact_name, contact_of, mesh_period, oscillator_t, steady_t
-  use gearsweep_study, only: add_more_rows, case_variation_t, factor_text, most_rows, number_names, number_units, of_dte_range, &
+  use gearsweep_study, only: case_variation_t, number_names, number_units, of_dte_range, &
     of_dte_rms, of_periods, of_relief, of_speed, reader_t, runnable_t, stage, stages_t, task_info_t, &
     vary_damping, vary_force, vary_relief, vary_rpm
   use gearsweep_nonlinear_branch, only: branch_point_t, end_names, follow_options_t
@@ -418,21 +418,8 @@ contains
     associate (branches => self%tables(self%place('branches')), changes => self%tables(self%place('branch_changes')))
       call lines%add('')
       call lines%add('Branches of periodic motions over '//name//', from motions at '//str(self%seeds)//' places')
-      call lines%add('    branch   periods         least       largest  largest DF   ends')
-      do i = 1, min(branches%rows, most_rows)
-        call lines%add(right(str(nint(branches%number('branch', i))), 10)// &
-                       right(str(nint(branches%number('mesh_periods', i))), 10)// &
-                       right(str(branches%number('least', i), 7), 14)//right(str(branches%number('largest', i), 7), 14)// &
-                       factor_text(branches%number('largest_dynamic_factor', i))//'     '// &
-                       trim(branches%word('first_end', i))//', '//trim(branches%word('last_end', i)))
-      end do
-      call add_more_rows(branches%rows, branches%name, lines)
-      call lines%add('    branch   change at '//left(name, 19)//'DF')
-      do i = 1, min(changes%rows, most_rows)
-        call lines%add(right(str(nint(changes%number('branch', i))), 10)//'   '//left(trim(changes%word('kind', i)), 10)// &
-                       left(str(changes%number(name, i), 10), 15)//factor_text(changes%number('dynamic_factor', i)))
-      end do
-      call add_more_rows(changes%rows, changes%name, lines)
+      call branches%show(lines, 'branch mesh_periods least largest largest_dynamic_factor first_end last_end')
+      call changes%show(lines, 'branch kind '//name//' dynamic_factor')
     end associate
   end subroutine add_report
 end module gearsweep_nonlinear_task_branches

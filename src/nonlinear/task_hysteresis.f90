@@ -3,8 +3,7 @@
 !>
 !> Runs at a finite rate are added on request (see gearsweep_motion_continuation).
 module gearsweep_nonlinear_task_hysteresis
-  use gearsweep_base, only: axis, code_input, code_memory, dp, error_t, fail, fixed, left, lines_t, &
-    no_number, right, str, table_t
+  use gearsweep_base, only: axis, code_input, code_memory, dp, error_t, fail, left, lines_t, no_number, str, table_t
   use gearsweep_motion, only: branch_options_t, branch_t, contact_name, contact_of, follow_branch, follow_ramp, has_result, &
     level_t, mesh_period, oscillator_t, periods_of_ramp, point_t, ramp_options_t, ramp_t, status_name, status_stopped
   use gearsweep_study, only: of_dte_estimate, of_dte_range, of_dte_rms, reader_t, runnable_t, stage, stages_t, task_info_t
@@ -360,23 +359,13 @@ contains
       call lines%add('')
       call lines%add('Slow run up and down, '//str(self%tables(self%place('hysteresis'))%extent(3))//' speeds, '// &
                      str(minval(rpm))//' to '//str(maxval(rpm))//' rpm')
-      call lines%add('   relief um   direction      at rpm     DF before      after   change')
-      do i = 1, min(changes%rows, most)
-        call lines%add(right(str(changes%number('relief_um', i)), 12)//right(trim(changes%word('direction', i)), 12)// &
-                       right(str(changes%number('rpm_before', i), 6), 12)// &
-                       right(fixed(changes%number('dynamic_factor_before', i), 4), 14)// &
-                       right(fixed(changes%number('dynamic_factor_after', i), 4), 11)//'   '//trim(changes%word('kind', i)))
-      end do
+      call changes%show(lines, 'relief_um direction rpm_before dynamic_factor_before dynamic_factor_after kind')
       call lines%add(left('Changes', 19)//str(changes%rows)//'; operating points without a result '//str(self%failed))
     end associate
     if (.not. self%rate > 0) return
     associate (delays => self%tables(self%place('hysteresis_delays')))
       call lines%add('At '//str(self%rate)//' rpm a second')
-      call lines%add('   relief um   direction      at rpm     later, s')
-      do i = 1, min(delays%rows, most)
-        call lines%add(right(str(delays%number('relief_um', i)), 12)//right(trim(delays%word('direction', i)), 12)// &
-                       right(str(delays%number('rpm', i), 6), 12)//right(str(delays%number('delay_s', i), 4), 13))
-      end do
+      call delays%show(lines, 'relief_um direction rpm delay_s')
     end associate
   end subroutine add_report
 end module gearsweep_nonlinear_task_hysteresis

@@ -1,10 +1,9 @@
 !> The task `sensitivity`: derivatives of the dynamic factor and of the harmonics of dynamic and static transmission error by
 !> each number of the motion, at chosen speeds (see gearsweep_nonlinear_sensitivity).
 module gearsweep_nonlinear_task_sensitivity
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_base, only: axis, code_memory, dp, error_t, fail, left, lines_t, no_number, right, str, table_t, wants_stop
+  use gearsweep_base, only: axis, code_memory, dp, error_t, fail, lines_t, no_number, str, table_t, wants_stop
   use gearsweep_motion, only: has_result, levels_t, mesh_period, oscillator_t, point_t, solve_point
-  use gearsweep_study, only: add_more_rows, case_variation_t, most_rows, motions_inputs_t, number_names, number_units, of_factor, &
+  use gearsweep_study, only: case_variation_t, motions_inputs_t, number_names, number_units, of_factor, &
     of_relief, of_speed, reader_t, relief_start, runnable_t, stage, stages_t, task_info_t, vary_amount, vary_backlash, &
     vary_damping, vary_force, vary_friction, vary_mass, vary_profile, vary_rpm, vary_start, vary_stiffness
   use gearsweep_nonlinear_sensitivity, only: differentiable_t, differentiate_motion, differentiate_static, prepare_motion, &
@@ -278,29 +277,8 @@ contains
 
     associate (table => self%tables(self%place('sensitivity')))
       call lines%add('')
-      call lines%add('By how many per cent the dynamic factor grows where a number grows by one per cent; 0 where that is'// &
-                     ' not above its error')
-      call lines%add('   relief um         rpm   number                      value   per cent')
-      do i = 1, min(table%rows, most_rows)
-        call lines%put(right(str(table%number('relief_um', i)), 12)//right(str(table%number('rpm', i)), 12)//'   '// &
-                       left(table%word('number', i), 20)//right(str(table%number('value', i), 5), 13))
-        if (ieee_is_nan(table%number('relative_slope', i))) then
-          call lines%add('          -   '//trim(table%word('derivative', i)))
-        else if (is_within(table%number('slope', i), table%number('error_estimate', i))) then
-          call lines%add(right('0', 11))
-        else
-          call lines%add(right(str(table%number('relative_slope', i), 4), 11))
-        end if
-      end do
-      call add_more_rows(table%rows, table%name, lines)
+      call lines%add('Relative slope: by how many per cent the dynamic factor grows where a number grows by one per cent')
+      call table%show(lines, 'relief_um rpm number value relative_slope slope error_estimate derivative')
     end associate
   end subroutine add_report
-
-  !> True if the slope is at most its error estimate, if that is known.
-  pure logical function is_within(slope, estimate)
-    real(dp), intent(in) :: slope, estimate
-
-    is_within = .false.
-    if (.not. ieee_is_nan(estimate)) is_within = abs(slope) <= estimate
-  end function is_within
 end module gearsweep_nonlinear_task_sensitivity

@@ -39,7 +39,7 @@ PLACES = {
     'Best single amount': 'optimum optimum_curve optimum_loads',
     'Best design': 'optimum_design optimum_loads',
     'Branches of periodic motions': 'branches branch_changes',
-    'By how many per cent the dynamic factor': 'sensitivity',
+    'Relative slope': 'sensitivity',
     'Precision at': 'precision precision_finest',
     'Flanks': 'flank_losses',
     'Rating by': 'rating dynamic_factors rating_factors',
@@ -50,7 +50,7 @@ PLACES = {
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.
-WORDS = ('ISO 6336-1', 'n_E1', 'ISO 6336-2 and -3', 'ISO 6336-3', '95 %', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '9 starts each', '1e-2     1e-4     1e-6',
+WORDS = ('ISO 6336-1', 'n_E1', 'ISO 6336-2 and -3', 'ISO 6336-3', '95 factor', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '9 starts each', '1e-2     1e-4     1e-6',
          'passed 1e4 static ones')
 NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*[A-Za-z_])')
 

@@ -1,7 +1,7 @@
 !> Texts, limits and helpers of the tables of several tasks.
 !>
 !> Meanings of columns of operating points and of largest dynamic factors; the motion of largest dynamic factor at a speed; the
-!> number of rows of long tables on the screen; the warning for values of ISO 6336-3 with asymmetric teeth.
+!> warning for values of ISO 6336-3 with asymmetric teeth.
 module gearsweep_study_run_points
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_base, only: dp, fixed, lines_t, no_number, right, str, table_t
@@ -10,8 +10,8 @@ module gearsweep_study_run_points
     point_t, response_t, status_name
   implicit none
   private
-  public :: add_seen, add_several, factor_text, factor_of, known_count, speed_of, words_of, find_motion, find_point, most_rows, &
-            add_more_rows, add_equal_flanks, add_caution
+  public :: add_seen, add_several, factor_text, factor_of, known_count, speed_of, words_of, find_motion, find_point, &
+            add_equal_flanks, add_caution
 
   character(*), parameter, public :: of_relief = 'amount of relief', of_speed = 'speed of the pinion'
   character(*), parameter, public :: of_factor = 'dynamic factor DF: largest load of a pair over the static load; NaN '// &
@@ -29,8 +29,6 @@ module gearsweep_study_run_points
   character(*), parameter, public :: of_seen = 'largest load of a pair over the static load that was seen in a motion that '// &
     'does not repeat: a lower bound'
   integer, parameter, public :: status_length = 12
-
-  integer, parameter :: most_rows = 60
 
   character(*), parameter :: column = 'equal_flanks'
 
@@ -132,15 +130,6 @@ contains
     if (.not. out_of_memory) call find_response(motion, rpm, accuracy, response, point, harmonics)
     response%lacks = response%lacks .or. out_of_memory
   end subroutine find_motion
-
-  !> Adds a line with the number of rows beyond `most_rows`, if there are any.
-  pure subroutine add_more_rows(rows, table, lines)
-    integer, intent(in) :: rows                  !< number of all rows
-    character(*), intent(in) :: table            !< name of the table that has them all
-    type(lines_t), intent(inout) :: lines
-
-    if (rows > most_rows) call lines%add('   and '//str(rows - most_rows)//' more in the table '//trim(table))
-  end subroutine add_more_rows
 
   !> Adds the column on equal flanks, with the same value in all rows.
   pure subroutine add_equal_flanks(pair, rows, table)

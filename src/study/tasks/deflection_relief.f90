@@ -4,7 +4,7 @@
 !> chosen diameters of both flanks.
 module gearsweep_study_tasks_deflection_relief
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_base, only: axis, code_input, dp, each, error_t, fail, left, lines_t, no_number, right, str, table_t, wants_stop
+  use gearsweep_base, only: axis, code_input, dp, each, error_t, fail, lines_t, no_number, str, table_t, wants_stop
   use gearsweep_gear, only: drive, pair_t, relief_t, tip_relief
   use gearsweep_elastic, only: contact_half_width, fe_deflection
   use gearsweep_mesh, only: find_harmonics, harmonics_t
@@ -15,7 +15,7 @@ module gearsweep_study_tasks_deflection_relief
   use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_case_variation, only: case_variation_t, largest_relief, relief_start, with_relief
   use gearsweep_study_run_inputs, only: motions_inputs_t
-  use gearsweep_study_run_points, only: factor_of, factor_text, of_worst, speed_of
+  use gearsweep_study_run_points, only: factor_of, of_worst, speed_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
   private
@@ -403,19 +403,11 @@ contains
   pure subroutine add_report(self, lines)
     class(deflection_relief_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i
 
     associate (table => self%tables(self%place(group)))
       call lines%add('')
       call lines%add('Tip relief')
-      call lines%add('   method                pinion um     gear um   STE range um  worst DF         rpm')
-      do i = 1, table%rows
-        call lines%put('   '//left(trim(table%word('method', i)), 20)//right(str(table%number('pinion_relief_um', i), 4), 11)// &
-                       right(str(table%number('gear_relief_um', i), 4), 12)//right(str(table%number('ste_range_um', i), 4), 15)// &
-                       factor_text(table%number('worst_dynamic_factor', i)))
-        if (ieee_is_nan(table%number('rpm', i))) call lines%add('')
-        if (.not. ieee_is_nan(table%number('rpm', i))) call lines%add(right(str(table%number('rpm', i)), 12))
-      end do
+      call table%show(lines, 'method pinion_relief_um gear_relief_um ste_range_um worst_dynamic_factor rpm')
     end associate
   end subroutine add_report
 end module gearsweep_study_tasks_deflection_relief

@@ -2,8 +2,7 @@
 !> mesh, under the static load and under that of the motion at chosen speeds.
 module gearsweep_study_tasks_flank
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_base, only: axis, claim_memory, code_input, dp, error_t, fail, fixed, left, lines_t, no_number, right, str, &
-    table_t, wants_stop
+  use gearsweep_base, only: axis, claim_memory, code_input, dp, error_t, fail, lines_t, no_number, str, table_t, wants_stop
   use gearsweep_gear, only: drive
   use gearsweep_motion, only: has_result, response_t, status_stopped
   use gearsweep_rating, only: contact_t, even_load_factor, flank_contact, friction_rule_t, half_shares_factor, mean_friction, &
@@ -282,23 +281,14 @@ contains
   pure subroutine add_report(self, lines)
     class(flank_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i
 
     associate (losses => self%tables(self%place('flank_losses')))
       call lines%add('')
       call lines%add('Flanks')
       call lines%add('   oil of '//str(losses%number('viscosity_mpa_s', 1), 5)// &
                      ' mPa s where it enters the contact, '//trim(friction_of(losses)))
-      call lines%add('   relief um         rpm   load      pressure MPa   flash K   film um    friction     H_v   efficiency')
-      do i = 1, losses%rows
-        call lines%add(right(str(losses%number('relief_um', i)), 12)//right(str(losses%number('rpm', i)), 12)//'   '// &
-                       left(trim(losses%word('loading', i)), 7)// &
-                       right(str(losses%number('largest_pressure_mpa', i), 5), 15)// &
-                       right(str(losses%number('largest_flash_k', i), 3), 10)// &
-                       right(str(losses%number('least_film_um', i), 3), 10)// &
-                       right(str(losses%number('friction_coefficient', i), 3), 12)// &
-                       right(fixed(losses%number('loss_factor', i), 4), 8)//right(fixed(losses%number('efficiency', i), 5), 13))
-      end do
+      call losses%show(lines, 'relief_um rpm loading largest_pressure_mpa largest_flash_k least_film_um friction_coefficient '// &
+                       'loss_factor efficiency')
       call add_several(losses, lines)
     end associate
   end subroutine add_report

@@ -2,12 +2,11 @@
 !>
 !> Resonances are located and resolved; a table has the speeds at which harmonics of the mesh frequency meet natural frequencies.
 module gearsweep_study_tasks_harmonic
-  use gearsweep_base, only: axis, claim_memory, code_input, dp, each, error_t, fail, left, lines_t, pi, right, str, table_t
+  use gearsweep_base, only: axis, claim_memory, code_input, dp, each, error_t, fail, lines_t, pi, str, table_t
   use gearsweep_elastic, only: along, find_peak, frequencies_around, moved_x, moved_y, per_point, response_to, stress_error_share, &
     tooth_modes_t
   use gearsweep_study_case_task, only: stage, task_info_t
   use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, sentence_length, text_unless
-  use gearsweep_study_run_points, only: add_more_rows, most_rows
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   use gearsweep_study_run_unit_teeth, only: find_unit_teeth, tooth_choice_t
   implicit none
@@ -283,19 +282,11 @@ contains
   pure subroutine add_report(self, lines)
     class(harmonic_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i
 
+    call lines%add('')
+    call lines%add('Resonances of the section')
     associate (peaks => self%tables(self%place('section_resonances')))
-      call lines%add('')
-      call lines%add('Resonances of the section')
-      call lines%add('           s   tangent deg   side    mode     peak Hz   stress MPa   amplification')
-      do i = 1, min(peaks%rows, most_rows)
-        call lines%add(right(str(peaks%number('s', i), 5), 12)//right(str(peaks%number('tangent_deg', i)), 14)//'   '// &
-                       left(trim(peaks%word('side', i)), 5)//right(str(nint(peaks%number('mode', i))), 7)// &
-                       right(str(peaks%number('peak_frequency_hz', i), 6), 12)//right(str(peaks%number('stress_mpa', i), 4), 13)// &
-                       right(str(peaks%number('amplification', i), 3), 16))
-      end do
-      call add_more_rows(peaks%rows, peaks%name, lines)
+      call peaks%show(lines, 's tangent_deg side mode peak_frequency_hz stress_mpa amplification')
     end associate
   end subroutine add_report
 end module gearsweep_study_tasks_harmonic

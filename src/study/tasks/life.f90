@@ -3,8 +3,7 @@
 !> The root stress of each engagement follows from the load of the motion, or from the static load, in each part of the
 !> spectrum.
 module gearsweep_study_tasks_life
-  use gearsweep_base, only: axis, claim_memory, code_input, dp, each, error_t, fail, left, lines_t, no_number, right, str, &
-    table_t, wants_stop
+  use gearsweep_base, only: axis, claim_memory, code_input, dp, each, error_t, fail, lines_t, no_number, str, table_t, wants_stop
   use gearsweep_motion, only: has_result, oscillator_t, response_t, status_ok, status_stopped
   use gearsweep_rating, only: by_gerber, by_goodman, by_iso, by_soderberg, contact_stress, curve_t, damage_of, dynamic_factor_a, &
     load_factors_t, material_length, no_grade, nominal_of, nominal_t, root_life, root_life_t, sn_curve, strength_t
@@ -480,7 +479,6 @@ contains
   pure subroutine add_report(self, lines)
     class(life_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i
 
     associate (life => self%tables(self%place('life')))
       call lines%add('')
@@ -492,31 +490,10 @@ contains
         end associate
       end if
       if (self%rule%has_contact()) call add_life_curves(self%limits, lines)
-      call lines%put('   relief um   gear     root MPa       damage      life h')
-      call lines%add(trim(merge('  sigma_H MPa       damage      life h', repeat(' ', 38), self%rule%has_contact())))
-      do i = 1, life%rows
-        call lines%put(right(str(life%number('relief_um', i)), 12)//'   '//left(trim(life%word('gear', i)), 6)// &
-                       right(str(life%number('largest_root_stress_mpa', i), 5), 11)// &
-                       right(str(life%number('damage', i), 4), 13)//lasting_words('kind', 'life_h'))
-        if (self%rule%has_contact()) &
-          call lines%put(right(str(life%number('largest_contact_stress_mpa', i), 5), 13)// &
-                         right(str(life%number('contact_damage', i), 4), 13)//lasting_words('contact_kind', 'contact_life_h'))
-        call lines%add('')
-      end do
+      call life%show(lines, 'relief_um gear largest_root_stress_mpa damage kind life_h largest_contact_stress_mpa '// &
+                     'contact_damage contact_kind contact_life_h')
       call add_several(self%tables(self%place('life_parts')), lines)
       call add_caution(life, lines)
     end associate
-
-  contains
-
-    pure function lasting_words(kind, time) result(words)
-      character(*), intent(in) :: kind, time
-      character(12) :: words
-
-      associate (life => self%tables(self%place('life')))
-        words = right(trim(life%word(kind, i)), 12)
-        if (life%word(kind, i) == 'finite') words = right(str(life%number(time, i), 4), 12)
-      end associate
-    end function lasting_words
   end subroutine add_report
 end module gearsweep_study_tasks_life

@@ -1,14 +1,14 @@
 !> The task `load`: at chosen speeds, the load of one pair along its path of contact, and other results of the motion.
 module gearsweep_study_tasks_load
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_base, only: axis, claim_memory, code_input, code_memory, dp, error_t, fail, lines_t, no_number, right, str, &
-    table_t, wants_stop
+  use gearsweep_base, only: axis, claim_memory, code_input, code_memory, dp, error_t, fail, lines_t, no_number, str, table_t, &
+    wants_stop
   use gearsweep_gear, only: drive
   use gearsweep_motion, only: find_corner_estimate, find_torque, has_result, mesh_period, mesh_torque_t, point_t, response_t, &
     spectrum_t, status_stopped, trace_motion, trace_t
   use gearsweep_study_case_task, only: case_facts_t, gear_names, stage, task_info_t
   use gearsweep_study_reader_reader, only: is_prescribed, needs_gears, reader_t, text_unless
-  use gearsweep_study_run_points, only: add_several, factor_text, find_motion, known_count, of_coast, of_corner, of_estimate, &
+  use gearsweep_study_run_points, only: add_several, find_motion, known_count, of_coast, of_corner, of_estimate, &
     of_factor, of_motions, of_periods, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
@@ -300,28 +300,20 @@ contains
   pure subroutine add_report(self, lines)
     class(load_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i, k, row
 
     call lines%add('')
     call lines%add('Dynamic factor at chosen speeds')
-    call lines%add('   relief um         rpm        DF     error est.   status')
     associate (points => self%tables(self%place('load_points')))
-      do k = 1, points%extent(2)
-        do i = 1, points%extent(1)
-          row = (i - 1)*points%extent(2) + k
-          call lines%put(right(str(points%number('relief_um', row)), 12)//right(str(points%number('rpm', row)), 12)// &
-                         factor_text(points%number('dynamic_factor', row)))
-          if (.not. ieee_is_nan(points%number('dynamic_factor', row))) then
-            call lines%put(right(str(points%number('error_estimate', row), 2), 15))
-          else
-            call lines%put(right('-', 15))
-          end if
-          call lines%add('   '//trim(points%word('status', row)))
-        end do
-      end do
+      call points%show(lines, 'relief_um rpm dynamic_factor error_estimate status')
       call add_several(points, lines)
     end associate
-    if (self%with_torque) call add_torques(self%tables(self%place('torque_points')), lines)
+    if (.not. self%with_torque) return
+    call lines%add('')
+    call lines%add('Transmitted torque')
+    associate (points => self%tables(self%place('torque_points')))
+      call points%show(lines, 'relief_um rpm pinion_mean_nm pinion_least_nm pinion_largest_nm gear_mean_nm gear_least_nm '// &
+                       'gear_largest_nm friction_loss status')
+    end associate
   end subroutine add_report
 
   !> Fills torques over the period of the motion (Karpat et al. 2012, Fig. 6).
@@ -546,34 +538,4 @@ contains
     end associate
     if (out_of_memory) call fail(error, code_memory, '&sweep load_rpm = '//str(rpm)//': the memory does not hold the motion')
   end subroutine follow_torque
-
-  !> Reports the torques of a table of `fill_torque_points`.
-  pure subroutine add_torques(points, lines)
-    type(table_t), intent(in) :: points
-    type(lines_t), intent(inout) :: lines
-    integer :: row
-
-    call lines%add('')
-    call lines%add('Transmitted torque (N m): mean, least to largest')
-    call lines%add('   relief um         rpm      pinion                      gear                        friction loss')
-    do row = 1, points%rows
-      call lines%put(right(str(points%number('relief_um', row)), 12)//right(str(points%number('rpm', row)), 12)//'   ')
-      if (ieee_is_nan(points%number('pinion_mean_nm', row))) then
-        call lines%add('   '//trim(points%word('status', row)))
-        cycle
-      end if
-      call lines%add('   '//torques('pinion', points, row)//torques('gear', points, row)// &
-                     str(points%number('friction_loss', row), 4))
-    end do
-  end subroutine add_torques
-
-  pure function torques(gear, points, row) result(words)
-    character(*), intent(in) :: gear
-    type(table_t), intent(in) :: points
-    integer, intent(in) :: row
-    character(28) :: words
-
-    words = str(points%number(gear//'_mean_nm', row), 5)//', '//str(points%number(gear//'_least_nm', row), 5)//' to '// &
-            str(points%number(gear//'_largest_nm', row), 5)
-  end function torques
 end module gearsweep_study_tasks_load

@@ -4,8 +4,8 @@
 !> material.
 module gearsweep_study_tasks_rating
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_base, only: axis, claim_memory, code_memory, dp, each, error_t, fail, fixed, left, lines_t, lower, &
-    no_number, piecewise_t, right, str, table_t, wants_stop
+  use gearsweep_base, only: axis, claim_memory, code_memory, dp, each, error_t, fail, lines_t, lower, no_number, piecewise_t, str, &
+    table_t, wants_stop
   use gearsweep_gear, only: drive
   use gearsweep_mesh, only: balance_t, contact_intervals, iso_stiffness, share_load, sharing_t
   use gearsweep_motion, only: has_result, oscillator_t, point_t, status_stopped
@@ -505,7 +505,7 @@ contains
   pure subroutine add_report(self, lines)
     class(rating_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i, grade
+    integer :: grade
     character(:), allocatable :: ground(:)
 
     call lines%add('')
@@ -523,40 +523,16 @@ contains
         call lines%add('   pinion: '//trim(ground(1)))
         call lines%add('   gear: '//trim(ground(2)))
       end if
-      call lines%add('   relief um         rpm   gear     K_v A   K_v B   sigma_H MPa     S_H   sigma_F MPa     S_F')
-      do i = 1, rating%rows
-        call lines%put(right(str(rating%number('relief_um', i)), 12)//right(str(rating%number('rpm', i)), 12)//'   '// &
-                       left(trim(rating%word('gear', i)), 6))
-        call lines%put(shown(dynamic%number('dynamic_factor_a', (i + 1)/2))// &
-                       shown(dynamic%number('dynamic_factor_b', (i + 1)/2)))
-        call lines%put(right(str(rating%number('contact_stress_mpa', i), 5), 14)// &
-                       shown(rating%number('contact_safety', i)))
-        call lines%put(right(str(rating%number('root_stress_mpa', i), 5), 14)//shown(rating%number('root_safety', i)))
-        if (dynamic%word('status', (i + 1)/2) /= 'ok') call lines%put('   motion '//trim(dynamic%word('status', (i + 1)/2)))
-        call lines%add('')
-      end do
+      call dynamic%show(lines, 'relief_um rpm dynamic_factor_a dynamic_factor_b status')
+      call rating%show(lines, 'relief_um rpm gear contact_stress_mpa contact_safety root_stress_mpa root_safety')
       call add_several(dynamic, lines)
       if (self%life > 0) then
         call lines%add('   for '//str(self%life/hour)//' h')
         call add_life_curves(self%limits, lines)
-        call lines%add('   relief um         rpm   gear          N_L    Z_NT     S_H    Y_NT     S_F')
-        do i = 1, rating%rows
-          call lines%add(right(str(rating%number('relief_um', i)), 12)//right(str(rating%number('rpm', i)), 12)//'   '// &
-                         left(trim(rating%word('gear', i)), 6)//right(str(rating%number('load_cycles', i), 4), 11)// &
-                         shown(rating%number('contact_life_factor', i))//shown(rating%number('contact_life_safety', i))// &
-                         shown(rating%number('root_life_factor', i))//shown(rating%number('root_life_safety', i)))
-        end do
+        call rating%show(lines, 'relief_um rpm gear load_cycles contact_life_factor contact_life_safety root_life_factor '// &
+                         'root_life_safety')
       end if
     end associate
     call add_caution(self%tables(self%place('rating_factors')), lines)
   end subroutine add_report
-
-  !> A factor in words.
-  pure function shown(value) result(text)
-    real(dp), intent(in) :: value
-    character(8) :: text
-
-    text = right('-', 8)
-    if (.not. ieee_is_nan(value)) text = right(fixed(value, 3), 8)
-  end function shown
 end module gearsweep_study_tasks_rating

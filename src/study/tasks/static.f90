@@ -1,6 +1,6 @@
 !> The task `static`: root stress of one gear under the moving load, with the values by ISO 6336-3 and Lewis for comparison.
 module gearsweep_study_tasks_static
-  use gearsweep_base, only: axis, dp, each, error_t, lines_t, right, str, table_t
+  use gearsweep_base, only: axis, dp, each, error_t, lines_t, str, table_t
   use gearsweep_gear, only: coast, drive, pair_t
   use gearsweep_elastic, only: make_section, root_stress, root_stress_t, section_t
   use gearsweep_mesh, only: mesh_t
@@ -246,19 +246,13 @@ contains
   pure subroutine add_report(self, lines)
     class(static_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i
 
-    associate (stress => self%tables(self%place('root_stress')), rating => self%tables(self%place('root_rating')))
+    associate (rating => self%tables(self%place('root_rating')))
       call lines%add('')
       call lines%add('Root stress of the '//trim(rating%word('gear', 1))//', largest over the path of contact')
-      call lines%add('   relief um   tension MPa at tangent deg   compression MPa at tangent deg   error est. %')
-      do i = 1, stress%rows
-        call lines%add(right(str(stress%number('relief_um', i)), 12)//right(str(stress%number('tension_mpa', i), 5), 14)// &
-                       right(str(stress%number('tension_deg', i), 3), 15)// &
-                       right(str(stress%number('compression_mpa', i), 5), 18)// &
-                       right(str(stress%number('compression_deg', i), 3), 15)// &
-                       right(str(100*stress%number('error_estimate', i), 2), 15))
-      end do
+      associate (stress => self%tables(self%place('root_stress')))
+        call stress%show(lines, 'relief_um tension_mpa tension_deg compression_mpa compression_deg error_estimate')
+      end associate
       call lines%add('   ISO 6336-3: sigma_F0 '//str(rating%number('iso_mpa'), 5)//' MPa (Y_F '// &
                      str(rating%number('iso_form_factor'), 4)//', Y_S '//str(rating%number('iso_stress_correction'), 4)// &
                      '); Lewis '//str(rating%number('lewis_mpa'), 5)//' MPa (Y '//str(rating%number('lewis_form_factor'), 4)// &

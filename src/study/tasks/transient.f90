@@ -1,8 +1,8 @@
 !> The task `transient`: stress and displacement at the fillets of one tooth while the load passes over it, by modal
 !> superposition.
 module gearsweep_study_tasks_transient
-  use gearsweep_base, only: axis, claim_memory, code_input, code_memory, dp, error_t, fail, lines_t, no_number, right, &
-    str, table_t, wants_stop
+  use gearsweep_base, only: axis, claim_memory, code_input, code_memory, dp, error_t, fail, lines_t, no_number, str, table_t, &
+    wants_stop
   use gearsweep_elastic, only: along, moved_x, moved_y, per_point, stress_error_share, stress_peak_t, tooth_modes_t
   use gearsweep_motion, only: has_result, mesh_period, response_t, status_ok
   use gearsweep_rating, only: follow_tooth, load_places, sampling_t, pass_path, pass_static, passage_options_t, passage_t, &
@@ -497,23 +497,13 @@ contains
   pure subroutine add_report(self, lines)
     class(transient_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i
 
     associate (peaks => self%tables(self%place('transient_peaks')))
       call lines%add('')
       call lines%add('Root stress while the load passes, largest over time anywhere on the fillets (chosen points: table '// &
                      'transient_points)')
-      call lines%add('   relief um         rpm   tension MPa    at rest   compression MPa    at rest   von Mises MPa'// &
-                     '   error est. %')
-      do i = 1, peaks%rows
-        call lines%add(right(str(peaks%number('relief_um', i)), 12)//right(str(peaks%number('rpm', i)), 12)// &
-                       right(str(peaks%number('tension_mpa', i), 5), 14)// &
-                       right(str(peaks%number('static_tension_mpa', i), 5), 11)// &
-                       right(str(peaks%number('compression_mpa', i), 5), 18)// &
-                       right(str(peaks%number('static_compression_mpa', i), 5), 11)// &
-                       right(str(peaks%number('mises_mpa', i), 5), 16)// &
-                       right(str(100*peaks%number('error_estimate', i), 2), 15))
-      end do
+      call peaks%show(lines, 'relief_um rpm tension_mpa static_tension_mpa compression_mpa static_compression_mpa mises_mpa '// &
+                      'error_estimate')
       call add_several(peaks, lines)
     end associate
   end subroutine add_report

@@ -7,7 +7,8 @@ module test_table_filling
   use gearsweep_motion_response, only: find_corner_estimate, motion_summary_t, summarise
   use gearsweep_elastic_corner_stiffness, only: edge_zone
   use gearsweep_motion_continuation, only: branch_t, change_t, level_t
-  use gearsweep_base_table, only: table_t, write_csv
+  use gearsweep_base_table, only: axis, no_number, table_t, write_csv
+  use gearsweep_base_lines, only: lines_t
   use gearsweep_base_error, only: error_t
   use gearsweep_motion_error_estimate, only: point_t
   use gearsweep_gear_gear, only: drive
@@ -61,6 +62,7 @@ contains
     if (t%wants('webs')) call webs(t)
     if (t%wants('each_relief')) call each_relief(t)
     if (t%wants('case_in_table')) call case_in_table(t)
+    if (t%wants('table_on_screen')) call table_on_screen(t)
   end subroutine run
 
   ! --- tables filled by hand -------------------------------------------------------
@@ -678,4 +680,36 @@ contains
     call check_true(t, 'the case in a table', index(text, new_line('a')//'#   &case title = ''two'' /'//new_line('a')// &
                     '#   &load torque_nm = 3 /'//new_line('a')//'x'//new_line('a')) > 0, text)
   end subroutine case_in_table
+
+  !> Names in up to two lines with their units; columns without a number are omitted, and rows beyond sixty.
+  subroutine table_on_screen(t)
+    type(tally_t), intent(inout) :: t
+    type(table_t) :: table
+    type(lines_t) :: screen
+    type(error_t), allocatable :: error
+    character(:), allocatable :: text
+    character, parameter :: nl = new_line('a')
+    real(dp) :: none(62)
+    integer :: i
+
+    table%name = 'some'
+    call table%over('rows', error, axis('relief_um', 'um', 'amount', [(1e-6_dp*i, i=1, 62)]))
+    call check_no_error(t, 'table for the screen', error)
+    none = no_number()
+    call table%add('dynamic_factor', '', 'DF', [1.25_dp, none(2:)])
+    call table%add('error_estimate', '', 'of DF', [1.234e-7_dp, none(2:)])
+    call table%add('torque_nm', 'N m', 'torque', [123456.7_dp, 0.1234567_dp, none(3:)])
+    call table%add('seen_factor', '', 'nowhere', none)
+    call table%add('teeth', '', 'number', [(1000000 + i, i=1, 62)])
+    call table%add_words('status', 'word', [('ok', i=1, 62)])
+    call table%show(screen, 'relief_um status dynamic_factor error_estimate lacking seen_factor torque_nm teeth')
+    text = screen%text()
+    call check_true(t, 'head and rows of a table on the screen', index(text, &
+      '                        dynamic      error'//nl// &
+      '   relief um   status    factor   estimate   torque N m     teeth'//nl// &
+      '           1   ok        1.2500     1.2e-7       123457   1000001'//nl// &
+      '           2   ok             -          -      0.12346   1000002'//nl) == 1)
+    call check_true(t, 'rows beyond sixty', index(text, nl//'          60   ok') > 0 .and. index(text, nl//'          61') == 0 &
+                    .and. index(text, '   and 2 more in the table some'//nl) > 0)
+  end subroutine table_on_screen
 end module test_table_filling
