@@ -8,7 +8,7 @@ module gearsweep_mesh
   use gearsweep_mesh_flank_deviations, only: coast_pitch_position, draw_deviations, flank_deviations_t, frame_t, is_within, &
     place_deviations, make_frame, per_tooth, pitch_position, tooth_number
   ! Harmonics of the static transmission error.
-  use gearsweep_mesh_harmonics, only: find_harmonics, halvings_as_built, harmonics_t, static_range
+  use gearsweep_mesh_harmonics, only: find_harmonics, find_orders, harmonics_t, static_range
   ! The gear mesh.
   use gearsweep_mesh_mesh, only: corner_uncertainty, coupling, mesh_of, mesh_t, own_corner_uncertainty
   ! Static load sharing over the mesh period.

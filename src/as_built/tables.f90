@@ -8,7 +8,7 @@ module gearsweep_as_built_tables
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_base, only: axis, dp, error_t, fixed, lines_t, no_number, pi, right, sorted, str, table_t, wants_stop
   use gearsweep_gear, only: find_tolerances, pair_t, tolerances_t
-  use gearsweep_mesh, only: coast_pitch_position, find_harmonics, flank_deviations_t, halvings_as_built, harmonics_t, mesh_t, &
+  use gearsweep_mesh, only: coast_pitch_position, find_orders, flank_deviations_t, harmonics_t, mesh_t, &
     per_tooth, pitch_position, share_load, sharing_t, static_range, tooth_number, wave_t
   use gearsweep_motion, only: find_spectrum, has_result, length_of, oscillator_t, spectrum_t, sweep_t, turn_t
   use gearsweep_rating, only: flank_contact, surfaces_t
@@ -487,15 +487,15 @@ contains
     integer, intent(in) :: mesh_orders
     type(order_t), intent(in) :: orders(:)
     real(dp) :: values(size(orders), 2)
-    type(harmonics_t) :: harmonics
+    type(harmonics_t) :: harmonics(2)
     integer :: i
 
     values = 0
     associate (teeth => osc%mesh%teeth)
+      call find_orders(osc%mesh, osc%load, [(mesh_orders*merge(teeth(i), 0, any(orders%gear == i)), i=1, 2)], 1.0_dp/teeth, &
+                       harmonics)
       do i = 1, 2
-        if (.not. any(orders%gear == i)) cycle
-        call find_harmonics(osc%mesh, osc%load, mesh_orders*teeth(i), harmonics, halvings_as_built, base=1.0_dp/teeth(i))
-        call select_orders(orders, i, osc%mesh%deviations%periods, teeth, harmonics%amplitude, harmonics%phase, values)
+        call select_orders(orders, i, osc%mesh%deviations%periods, teeth, harmonics(i)%amplitude, harmonics(i)%phase, values)
       end do
     end associate
   end function static_orders
@@ -626,12 +626,12 @@ contains
     subroutine find_static(mesh, specimen)
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: specimen
-      type(harmonics_t) :: harmonics
+      type(harmonics_t) :: harmonics(1)
 
       if (with_ste) found%ste(specimen, i) = static_range(mesh, stages%load)
       if (harmonic == 0) return
-      call find_harmonics(mesh, stages%load, harmonic, harmonics, halvings_as_built)
-      found%amplitude(specimen, i) = harmonics%amplitude(harmonic)
+      call find_orders(mesh, stages%load, [harmonic], [1.0_dp], harmonics)
+      found%amplitude(specimen, i) = harmonics(1)%amplitude(harmonic)
     end subroutine find_static
 
     !> Computes the largest root stress of one specimen.

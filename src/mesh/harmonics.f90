@@ -12,7 +12,7 @@ module gearsweep_mesh_harmonics
   use gearsweep_mesh_smooth_intervals, only: smooth_intervals
   implicit none
   private
-  public :: harmonics_t, find_harmonics, static_range
+  public :: harmonics_t, find_harmonics, find_orders, static_range
 
   type :: harmonics_t
     real(dp) :: mean = 0                         !< mean of the static transmission error, m
@@ -30,17 +30,18 @@ module gearsweep_mesh_harmonics
 
   integer, parameter :: points = 16              !< points of Gauss's rule on a panel
   integer, parameter :: most_halvings = 16
-  !> Halvings over a turn of gears whose teeth deviate. Where a pair begins to carry, its flattening has no Taylor series, and
-  !> each halving only quarters the error there: after this number it is 1e-9 of the curve.
-  integer, parameter, public :: halvings_as_built = 4
 
   !> Integrand: the pairs' part of the transmission error over its scale, minus 1; the part due to the turning of the discs is
   !> constant.
   type :: integrand_t
     type(mesh_t) :: mesh
-    real(dp) :: load = 0, scale = 1, base = 1
+    real(dp) :: load = 0, scale = 1
+    integer, allocatable :: count(:)             !< harmonics of each series
+    real(dp), allocatable :: base(:)             !< cycles of its first harmonic in a mesh period
     real(dp) :: node(points) = 0, weight(points) = 0   !< nodes and weights on 0 to 1
-    real(dp) :: tolerance = 0
+    real(dp) :: tolerance = 0                    !< of the integrals over a mesh period
+    real(dp) :: negligible = 0                   !< disagreement in a panel that is accepted whatever its length
+    integer :: halvings = most_halvings
   end type integrand_t
 
 contains
@@ -56,47 +57,78 @@ contains
     !> Cycles of the first harmonic in a mesh period; 1 if absent. If teeth deviate, only harmonics with a whole number of cycles
     !> in the periods after which the deviations repeat are meaningful.
     real(dp), intent(in), optional :: base
+    type(harmonics_t) :: series(1)
+    type(integrand_t) :: f
+
+    f = integrand_t(mesh, load, count=[count], base=[1.0_dp])
+    if (present(base)) f%base = base
+    if (present(halvings)) f%halvings = halvings
+    ! Rounding errors of the phase grow with the harmonic.
+    f%tolerance = 1e-13_dp + 4e-15_dp*count
+    call integrate(f, series)
+    harmonics = series(1)
+  end subroutine find_harmonics
+
+  !> Computes orders of the static transmission error of gears whose teeth deviate, of both gears at once: as `find_harmonics`, but
+  !> of several series, to about 1e-9 of the largest transmission error. Where a pair begins to carry, its flattening has no
+  !> Taylor series, and each halving of a panel only quarters the error there: over a turn more would cost too much.
+  pure subroutine find_orders(mesh, load, count, base, harmonics)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: load                 !< N
+    integer, intent(in) :: count(:)              !< harmonics of each series
+    real(dp), intent(in) :: base(:)              !< cycles of its first harmonic in a mesh period
+    type(harmonics_t), intent(out) :: harmonics(:)         !< (series)
+    real(dp), parameter :: negligible = 1e-9_dp
+    type(integrand_t) :: f
+
+    f = integrand_t(mesh, load, count=count, base=base, negligible=negligible)
+    call integrate(f, harmonics)
+  end subroutine find_orders
+
+  !> Integrates each series of `f`.
+  pure subroutine integrate(f, harmonics)
+    type(integrand_t), intent(inout) :: f
+    type(harmonics_t), intent(out) :: harmonics(:)         !< (series)
     type(interval_t), allocatable :: intervals(:)
     type(segment_t), allocatable :: segments(:)
-    type(integrand_t) :: f
-    complex(dp) :: total(-1:count), undivided(-1:count)
-    integer :: most, i
+    complex(dp), dimension(-1:sum(f%count)) :: total, undivided
+    type(harmonics_t) :: all
+    integer :: i, first, last
 
-    most = most_halvings
-    if (present(halvings)) most = halvings
-    call smooth_segments(mesh, load, intervals, segments)
-    f%mesh = mesh
-    f%load = load
+    call smooth_segments(f%mesh, f%load, intervals, segments)
     call gauss_legendre(f%node, f%weight)
     f%node = (1 + f%node)/2
     f%weight = f%weight/2
     f%scale = maxval([(error_at(f, intervals(segments(i)%interval), segments(i)%first), i=1, size(segments))])
-    ! Rounding errors of the phase grow with the harmonic.
-    f%tolerance = 1e-13_dp + 4e-15_dp*count
-    if (present(base)) f%base = base
-    call find_range(f, intervals, harmonics%least, harmonics%largest)
+    call find_range(f, intervals, all%least, all%largest)
     total = 0
     do i = 1, size(segments)
       associate (interval => intervals(segments(i)%interval), a => segments(i)%first, b => segments(i)%last)
-        undivided = panel(f, interval, a, b, count)
-        call refine(f, interval, a, b, undivided, most, total, harmonics)
-        harmonics%effective_contact_ratio = harmonics%effective_contact_ratio + &
-                                            (b - a)*sum(merge(1, 0, carrying(mesh, balance_t(load), interval, (a + b)/2)))
+        undivided = panel(f, interval, a, b)
+        call refine(f, interval, a, b, undivided, f%halvings, total, all)
+        all%effective_contact_ratio = all%effective_contact_ratio + &
+                                      (b - a)*sum(merge(1, 0, carrying(f%mesh, balance_t(f%load), interval, (a + b)/2)))
       end associate
     end do
-    total = total/mesh%deviations%periods
-    harmonics%effective_contact_ratio = harmonics%effective_contact_ratio/mesh%deviations%periods
-    associate (discs => mesh%disc%turn*load)
-      harmonics%mean = f%scale*(1 + real(total(0), dp)) + discs
-      harmonics%least = harmonics%least + discs
-      harmonics%largest = harmonics%largest + discs
+    total = total/f%mesh%deviations%periods
+    all%effective_contact_ratio = all%effective_contact_ratio/f%mesh%deviations%periods
+    associate (discs => f%mesh%disc%turn*f%load)
+      all%mean = f%scale*(1 + real(total(0), dp)) + discs
+      all%least = all%least + discs
+      all%largest = all%largest + discs
     end associate
-    harmonics%rms = f%scale*sqrt(max(0.0_dp, real(total(-1), dp) - real(total(0), dp)**2))
-    harmonics%amplitude = 2*f%scale*abs(total(1:))
-    harmonics%phase = atan2(aimag(total(1:)), real(total(1:), dp))
-    harmonics%error_estimate = 2*f%scale*harmonics%error_estimate/mesh%deviations%periods
-    harmonics%samples = harmonics%samples + points*size(segments)
-  end subroutine find_harmonics
+    all%rms = f%scale*sqrt(max(0.0_dp, real(total(-1), dp) - real(total(0), dp)**2))
+    all%error_estimate = 2*f%scale*all%error_estimate/f%mesh%deviations%periods
+    all%samples = all%samples + points*size(segments)
+    last = 0
+    do i = 1, size(harmonics)
+      first = last + 1
+      last = last + f%count(i)
+      harmonics(i) = all
+      harmonics(i)%amplitude = 2*f%scale*abs(total(first:last))
+      harmonics(i)%phase = atan2(aimag(total(first:last)), real(total(first:last), dp))
+    end do
+  end subroutine integrate
 
   !> Largest minus least static transmission error (m) of `mesh` under `load` (N), without the slower integrals.
   pure real(dp) function static_range(mesh, load)
@@ -127,28 +159,30 @@ contains
     call solve_equilibrium_at(f%mesh, interval, f%load, phase, error_at, force)
   end function error_at
 
-  !> Integrals from phase a to b by Gauss's rule: of x exp(-2 pi i k base tau) in part(k), k = 0 to `count`, and of x**2 in
-  !> part(-1).
-  pure function panel(f, interval, a, b, count) result(part)
+  !> Integrals from phase a to b by Gauss's rule: of x**2 in part(-1), of x in part(0), and of x exp(-2 pi i k base tau) for the
+  !> harmonics k of each series, one series after the other.
+  pure function panel(f, interval, a, b) result(part)
     type(integrand_t), intent(in) :: f
     type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: a, b
-    integer, intent(in) :: count
-    complex(dp) :: part(-1:count)
-    complex(dp) :: turn, term
-    real(dp) :: phase, x
-    integer :: i, k
+    complex(dp) :: part(-1:sum(f%count))
+    complex(dp), dimension(points) :: turn, term
+    real(dp), dimension(points) :: phase, x, weight
+    integer :: i, k, n
 
-    part = 0
-    do i = 1, points
-      phase = a + (b - a)*f%node(i)
-      x = error_at(f, interval, phase)/f%scale - 1
-      part(-1) = part(-1) + (b - a)*f%weight(i)*x**2
-      turn = exp(cmplx(0.0_dp, -2*pi*modulo(f%base*(interval%period + phase), 1.0_dp), dp))
-      term = (b - a)*f%weight(i)*x
-      do k = 0, count
-        part(k) = part(k) + term
+    phase = a + (b - a)*f%node
+    weight = (b - a)*f%weight
+    x = [(error_at(f, interval, phase(i)), i=1, points)]/f%scale - 1
+    part(-1) = sum(weight*x**2)
+    part(0) = sum(weight*x)
+    n = 0
+    do i = 1, size(f%count)
+      turn = exp(cmplx(0.0_dp, -2*pi*modulo(f%base(i)*(interval%period + phase), 1.0_dp), dp))
+      term = weight*x
+      do k = 1, f%count(i)
         term = term*turn
+        n = n + 1
+        part(n) = sum(term)
       end do
     end do
   end function panel
@@ -167,11 +201,11 @@ contains
     real(dp) :: off
 
     associate (middle => (a + b)/2)
-      left = panel(f, interval, a, middle, ubound(undivided, 1))
-      right = panel(f, interval, middle, b, ubound(undivided, 1))
+      left = panel(f, interval, a, middle)
+      right = panel(f, interval, middle, b)
       off = maxval(abs(undivided - left - right))
       harmonics%samples = harmonics%samples + 2*points
-      if (off <= f%tolerance*(b - a) .or. halvings == 0) then
+      if (off <= max(f%tolerance*(b - a), f%negligible) .or. halvings == 0) then
         total = total + left + right
         harmonics%error_estimate = harmonics%error_estimate + off
       else

@@ -14,7 +14,7 @@ module gearsweep_mesh_sharing
   implicit none
   private
   public :: balance_t, segment_t, smooth_segments, contact_intervals, carrying, sharing_t, share_load, load_share, pairs_at, &
-            solve_equilibrium_at, static_deflection, pair_load, transmission_error
+            solve_equilibrium_at, share_apart, transmission_error
 
   type :: segment_t
     real(dp) :: first = 0, last = 0              !< phases
@@ -191,68 +191,72 @@ contains
     carrying = force > 0
   end function carrying
 
-  !> Common deflection x that carries the nominal `load` (N): the sum of the pairs' loads at x - e_j (see pair_load).
-  !> `stiffness` (N/m) and `error` (m) of the pairs, any number; `flattening` (m/N; without it, 0) as in `pair_load`.
+  !> Finds the common deflection (m) of pairs that are springs apart, and the load (N) of each, 0 if it is open: together they
+  !> carry the nominal `load` (N). `stiffness` (N/m) and `error` (m) of the pairs, any number; `flattening` (m/N) as in `approach`.
   !>
-  !> Without flattening each load is K_j max(0, x - e_j), in closed form. With it, loads grow more than in proportion to the
-  !> deflection: Newton's method, from its second step on, converges monotonically from above.
-  pure real(dp) function static_deflection(stiffness, error, load, flattening) result(x)
-    real(dp), intent(in) :: stiffness(:), error(:), load
-    real(dp), intent(in), optional :: flattening(:)
-    real(dp), parameter :: rounding = 1e-14_dp
+  !> Without flattening each load is K_j max(0, x - e_j), in closed form. With it, Newton's method follows from there, on all loads
+  !> and the deflection at once.
+  pure subroutine share_apart(stiffness, error, load, flattening, deflection, force)
+    real(dp), intent(in) :: stiffness(:), error(:), load, flattening(:)    !< (pair)
+    real(dp), intent(out) :: deflection
+    real(dp), intent(out) :: force(:)            !< (pair)
+    ! Newton's method squares a relative change; a load of rounding errors alone may come and go without end.
+    real(dp), parameter :: near = 1e-8_dp, rounding = 1e-15_dp
     integer, parameter :: most = 50
     logical :: carries(size(stiffness))
-    real(dp), dimension(size(stiffness)) :: force, slope
+    real(dp), dimension(size(stiffness)) :: before, slope
+    real(dp) :: change
     integer :: i, last
 
     carries = .true.
-    x = 0
+    deflection = 0
     do i = 1, size(stiffness)
-      x = (load + sum(stiffness*error, mask=carries))/sum(stiffness, mask=carries)
-      ! One pair at a time: x rises when a pair drops out, which may keep the next one.
+      deflection = (load + sum(stiffness*error, mask=carries))/sum(stiffness, mask=carries)
+      ! One pair at a time: the deflection rises when a pair drops out, which may keep the next one.
       last = maxloc(error, 1, mask=carries)
-      if (x > error(last)) exit
+      if (deflection > error(last)) exit
       carries(last) = .false.
     end do
-    if (.not. present(flattening)) return
+    force = stiffness*max(0.0_dp, deflection - error)
     if (.not. any(flattening > 0)) return
     do i = 1, most
-      call pair_load(x - error, stiffness, load, flattening, force, slope)
-      associate (excess => sum(force) - load)
-        if (abs(excess) <= rounding*load) exit
-        x = x - excess/sum(slope)
-      end associate
-    end do
-  end function static_deflection
-
-  !> Computes the load F (N) of a pair compressed by `depth` (m), 0 if it is apart, and its slope dF/d depth (N/m):
-  !> depth = F (1/K - flattening log(F/nominal)), with K (N/m) the secant stiffness at the `nominal` load (N).
-  !> Newton's method from K depth, without flattening the solution. Source: Johnson 1985, Contact Mechanics, Eq. 5.57.
-  elemental subroutine pair_load(depth, stiffness, nominal, flattening, force, slope)
-    real(dp), intent(in) :: depth, stiffness, nominal, flattening
-    real(dp), intent(out) :: force, slope
-    real(dp), parameter :: rounding = 1e-15_dp, least = 1e-250_dp
-    integer, parameter :: most = 30
-    real(dp) :: before
-    integer :: i
-
-    force = 0
-    slope = 0
-    if (.not. depth > 0) return
-    force = stiffness*depth
-    slope = stiffness
-    if (.not. (flattening > 0 .and. force > least*nominal)) return
-    do i = 1, most
       before = force
+      call approach(deflection - error, stiffness, load, flattening, force, slope)
+      change = (load - sum(force))/sum(slope)
+      deflection = deflection + change
+      force = max(0.0_dp, force + slope*change)
+      if (all(abs(force - before) <= near*force + rounding*load) .and. abs(change)*sum(slope) <= near*load) exit
+    end do
+  end subroutine share_apart
+
+  !> Brings the load F (N) of a pair compressed by `depth` (m) nearer to the solution of
+  !> depth = F (1/K - flattening log(F/nominal)) by one step of Newton's method, and computes the slope dF/d depth (N/m) at the
+  !> former load; an open pair has none. K (N/m) is the secant stiffness at the `nominal` load (N).
+  !> Source: Johnson 1985, Contact Mechanics, Eq. 5.57.
+  elemental subroutine approach(depth, stiffness, nominal, flattening, force, slope)
+    real(dp), intent(in) :: depth, stiffness, nominal, flattening
+    real(dp), intent(inout) :: force             !< 0 if the pair was open
+    real(dp), intent(out) :: slope
+    real(dp), parameter :: least = 1e-250_dp
+
+    if (.not. depth > 0) then
+      force = 0
+      slope = 0
+      return
+    end if
+    if (.not. force > 0) force = stiffness*depth
+    if (flattening > 0 .and. force > least*nominal) then
       slope = 1/(1/stiffness - flattening*(1 + log(force/nominal)))
       force = (depth - flattening*force)*slope
-      if (abs(force - before) <= rounding*force) exit
-    end do
-  end subroutine pair_load
+    else
+      slope = stiffness
+      force = stiffness*depth
+    end if
+  end subroutine approach
 
   !> Computes the common deflection (m), without the turning of discs, and the loads (N) of neighbouring pairs that carry the
   !> nominal `load` (N) together. `stiffness` (N/m) is that of each pair while it carries alone, `flattening` (m/N) as in
-  !> `pair_load`, `error` (m) its profile error, `shared` (m/N) the compliance shared with the next pair.
+  !> `approach`, `error` (m) its profile error, `shared` (m/N) the compliance shared with the next pair.
   pure subroutine solve_equilibrium(mesh, load, stiffness, flattening, error, shared, deflection, force)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
@@ -260,25 +264,22 @@ contains
     real(dp), intent(in) :: shared(:)                      !< (pair but the last, at least one)
     real(dp), intent(out) :: deflection
     real(dp), intent(out) :: force(:)                      !< (pair); 0 for an open pair
-    real(dp), dimension(size(stiffness)) :: own, slope
 
     if (mesh%is_coupled(size(stiffness))) then
       call solve_coupled(coupling(mesh, stiffness, shared), error, load, flattening, deflection, force)
     else
-      own = stiffness/(1 - shared(1)*stiffness)
-      deflection = static_deflection(own, error, load, flattening)
-      call pair_load(deflection - error, own, load, flattening, force, slope)
+      call share_apart(stiffness/(1 - shared(1)*stiffness), error, load, flattening, deflection, force)
       deflection = deflection + shared(1)*load
     end if
   end subroutine solve_equilibrium
 
   !> Solves the equilibrium of pairs coupled by the matrix `compliance` (m/N), whose diagonal is that of each pair alone: each
-  !> load is that of `pair_load` at the deflection minus that due to the other loads. Newton's method on all loads and the
+  !> load is that of `approach` at the deflection minus that due to the other loads. Newton's method on all loads and the
   !> deflection; the loads' slopes jump where a pair parts, so that it may alternate there: then it makes half a step.
   pure subroutine solve_coupled(compliance, error, load, flattening, deflection, force)
     real(dp), intent(in) :: compliance(:, :), error(:), load, flattening(:)
     real(dp), intent(out) :: deflection, force(:)
-    real(dp), parameter :: rounding = 1e-14_dp
+    real(dp), parameter :: rounding = 1e-14_dp, near = 1e-10_dp
     integer, parameter :: most = 200, whole_steps = 20
     real(dp), dimension(size(error)) :: own, depth, carried, slope
     real(dp) :: matrix(size(error) + 1, size(error) + 1), step(size(error) + 1, 1)
@@ -290,7 +291,8 @@ contains
     deflection = maxval(error) + load*maxval(own)
     do i = 1, most
       depth = deflection - error - matmul(compliance, force) + own*force
-      call pair_load(depth, 1/own, load, flattening, carried, slope)
+      carried = force
+      call approach(depth, 1/own, load, flattening, carried, slope)
       matrix = 0
       do j = 1, n
         matrix(j, :n) = slope(j)*compliance(j, :)
@@ -304,7 +306,8 @@ contains
       if (i > whole_steps) step = step/2
       force = force + step(:n, 1)
       deflection = deflection + step(n + 1, 1)
-      if (all(abs(step(:n, 1)) <= rounding*load)) exit
+      ! One pair alone has its load at once, but not its deflection, which may bring others into contact.
+      if (all(abs(step(:n, 1)) <= rounding*load) .and. abs(step(n + 1, 1)) <= near*load*maxval(own)) exit
     end do
     where (.not. depth > 0) force = 0
   end subroutine solve_coupled
