@@ -19,6 +19,7 @@ ROOMS = {
     'gear': 'one gear, a pair, its path of contact, tooth profile, tip relief, measures (ISO 21771, ISO 1328)',
     'elastic': 'finite elements of a gear section: compliance, stress, modes; contact of flanks and tip corners',
     'mesh': 'stiffness of a pair of teeth, load sharing, static transmission error, deviations of teeth',
+    'face': 'load distribution over the face width: compliance over the face, leads and misalignment, K_H beta',
     'motion': 'the equation of motion, one step, one period, one operating point, sweeps, optimum',
     'rating': 'root stress, flank pressure, ISO 6336, life, losses',
     'study': 'from the text of a case to its tables: reader, case, run, results, tasks',

@@ -5,7 +5,7 @@ module gearsweep_elastic
   ! Deflection of the body under all teeth in contact together, as numbers.
   use gearsweep_elastic_disc, only: disc_t
   ! Pair stiffness by finite elements.
-  use gearsweep_elastic_fe_stiffness, only: fe_deflection, fe_stiffness, teeth_t
+  use gearsweep_elastic_fe_stiffness, only: fe_deflection, fe_stiffness, plane_compliance, plane_tooth_t, teeth_t
   ! Hertzian line contact.
   use gearsweep_elastic_flattening, only: check_contact, contact_half_width, flattening_t, surface_to_depth
   ! Mapped grids of eight-node quadrilaterals, from a lattice of points.

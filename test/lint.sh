@@ -35,7 +35,7 @@ for folder in src app test examples; do
   check "fortitude: $folder" "$venv/bin/fortitude" check --quiet --output-format concise "$folder"
 done
 # Rooms below study speak of quantities; src/study/case/key_names.f90 has their keys.
-for room in base gear elastic mesh motion rating; do
+for room in base gear elastic mesh face motion rating; do
   check "no message of src/$room names a key" sh -c "! grep -rn \"'&\" src/$room"
 done
 check 'no word stands anywhere that the table of CONTRIBUTING.md has in bold' "$python" test/cases/words.py

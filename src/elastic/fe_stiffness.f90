@@ -5,7 +5,8 @@
 !> densities.
 module gearsweep_elastic_fe_stiffness
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_base, only: code_input, code_numerical, dp, error_t, fail, interpolated, joined, pi, piecewise_t, spline, str
+  use gearsweep_base, only: code_input, code_numerical, dp, error_t, fail, interpolated, joined, pi, piecewise_t, polynomial, &
+    spline, str
   use gearsweep_gear, only: contact_reach, gear_spec_t, gear_t, pair_t
   use gearsweep_elastic_compliance, only: tooth_compliance, tooth_t
   use gearsweep_elastic_corner_stiffness, only: compliance_slope, corner_compliance, edge_zone, moved_contact
@@ -16,7 +17,7 @@ module gearsweep_elastic_fe_stiffness
   use gearsweep_elastic_material, only: fe_options_t, material_t
   implicit none
   private
-  public :: teeth_t, fe_options_t, fe_stiffness, fe_deflection
+  public :: teeth_t, fe_options_t, fe_stiffness, fe_deflection, plane_compliance, plane_tooth_t
 
   !> All inputs of a tooth: its solution uses no others. Without allocatable components, so that one `write` outputs all of it to
   !> the last bit.
@@ -40,6 +41,18 @@ module gearsweep_elastic_fe_stiffness
   contains
     procedure :: find
   end type teeth_t
+
+  !> Plane compliance of one gear's teeth along the path of contact, per line load, m2/N.
+  type :: plane_tooth_t
+    real(dp) :: modulus = 0                      !< E/(1 - nu**2), Pa
+    !> Compliance of a tooth over the path coordinate, with Hertz's pressure over a half width of one module; of a complete gear
+    !> without its rotation about the bore.
+    type(piecewise_t) :: compliance
+    !> Deflection of the next tooth, over the path coordinate of the first from 0 to where it is alone; constant outside.
+    type(piecewise_t) :: shared
+    real(dp) :: decline = 0                      !< `shared` minus the deflection of the tooth after the next one
+    real(dp) :: turn = 0                         !< compliance by rotation about the bore
+  end type plane_tooth_t
 
   !> Largest number stored; each needs about 6 kB.
   integer, parameter :: most = 64
@@ -252,6 +265,40 @@ contains
         surface_to_depth(material(i), options%section%plane_strain, half_width(i), pair%gear(i)%spec%module))
     end do
   end subroutine fe_deflection
+
+  !> Computes the plane compliance of both gears' teeth, in plane strain. Arguments as of `fe_stiffness`; corner contact and the
+  !> inertia at the bores have no effect.
+  subroutine plane_compliance(pair, material, options, plane, error, teeth)
+    type(pair_t), intent(in) :: pair
+    type(material_t), intent(in) :: material(2)
+    type(fe_options_t), intent(in) :: options
+    type(plane_tooth_t), intent(out) :: plane(2)           !< of pinion and gear
+    type(error_t), allocatable, intent(out) :: error
+    type(teeth_t), intent(inout), optional :: teeth
+    type(tooth_t) :: tooth(2)
+    real(dp), allocatable :: s(:)
+    integer :: i
+
+    if (.not. options%section%plane_strain) then
+      call fail(error, code_input, 'plane strain: must be true for teeth whose load varies over the face width')
+      return
+    end if
+    call both_teeth(pair, material, options, tooth, error, teeth)
+    if (allocated(error)) return
+    s = path_knots(pair%contact_ratio, [0.0_dp, 0.0_dp])
+    do i = 1, 2
+      associate (m => pair%gear(i)%spec%module, disc => tooth(i)%disc)
+        plane(i)%modulus = material(i)%young/(1 - material(i)%poisson**2)
+        plane(i)%compliance = spline(s, values(tooth(i)%compliance, pair%curvature(i, s)) &
+                                        + surface_to_depth(material(i), .true., m, m))
+        ! Legendre's polynomials over the interval; the path runs down the gear's flank.
+        plane(i)%shared = polynomial(0.0_dp, pair%contact_ratio - 1, [disc%shared - disc%change(2)/2, &
+                                     merge(1, -1, i == 1)*disc%change(1), 1.5_dp*disc%change(2)])
+        plane(i)%decline = disc%decline
+        plane(i)%turn = disc%turn
+      end associate
+    end do
+  end subroutine plane_compliance
 
   !> Deflection of the bodies of pinion and gear together, including the part of their turning `felt` by the motion (m2/N). The
   !> path runs up the flank of the pinion and down that of the gear.
