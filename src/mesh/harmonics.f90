@@ -28,7 +28,6 @@ module gearsweep_mesh_harmonics
     procedure :: peak_to_peak
   end type harmonics_t
 
-  integer, parameter :: points = 16              !< points of Gauss's rule on a panel
   integer, parameter :: most_halvings = 16
 
   !> Integrand: the pairs' part of the transmission error over its scale, minus 1; the part due to the turning of the discs is
@@ -38,7 +37,8 @@ module gearsweep_mesh_harmonics
     real(dp) :: load = 0, scale = 1
     integer, allocatable :: count(:)             !< harmonics of each series
     real(dp), allocatable :: base(:)             !< cycles of its first harmonic in a mesh period
-    real(dp) :: node(points) = 0, weight(points) = 0   !< nodes and weights on 0 to 1
+    integer :: points = 16                       !< points of Gauss's rule on a panel
+    real(dp), allocatable :: node(:), weight(:)  !< nodes and weights on 0 to 1
     real(dp) :: tolerance = 0                    !< of the integrals over a mesh period
     real(dp) :: negligible = 0                   !< disagreement in a panel that is accepted whatever its length
     integer :: halvings = most_halvings
@@ -79,9 +79,10 @@ contains
     real(dp), intent(in) :: base(:)              !< cycles of its first harmonic in a mesh period
     type(harmonics_t), intent(out) :: harmonics(:)         !< (series)
     real(dp), parameter :: negligible = 1e-9_dp
+    integer, parameter :: points = 4
     type(integrand_t) :: f
 
-    f = integrand_t(mesh, load, count=count, base=base, negligible=negligible)
+    f = integrand_t(mesh, load, count=count, base=base, points=points, negligible=negligible)
     call integrate(f, harmonics)
   end subroutine find_orders
 
@@ -96,6 +97,7 @@ contains
     integer :: i, first, last
 
     call smooth_segments(f%mesh, f%load, intervals, segments)
+    allocate (f%node(f%points), f%weight(f%points))
     call gauss_legendre(f%node, f%weight)
     f%node = (1 + f%node)/2
     f%weight = f%weight/2
@@ -119,7 +121,7 @@ contains
     end associate
     all%rms = f%scale*sqrt(max(0.0_dp, real(total(-1), dp) - real(total(0), dp)**2))
     all%error_estimate = 2*f%scale*all%error_estimate/f%mesh%deviations%periods
-    all%samples = all%samples + points*size(segments)
+    all%samples = all%samples + f%points*size(segments)
     last = 0
     do i = 1, size(harmonics)
       first = last + 1
@@ -166,13 +168,13 @@ contains
     type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: a, b
     complex(dp) :: part(-1:sum(f%count))
-    complex(dp), dimension(points) :: turn, term
-    real(dp), dimension(points) :: phase, x, weight
+    complex(dp), dimension(f%points) :: turn, term
+    real(dp), dimension(f%points) :: phase, x, weight
     integer :: i, k, n
 
     phase = a + (b - a)*f%node
     weight = (b - a)*f%weight
-    x = [(error_at(f, interval, phase(i)), i=1, points)]/f%scale - 1
+    x = [(error_at(f, interval, phase(i)), i=1, f%points)]/f%scale - 1
     part(-1) = sum(weight*x**2)
     part(0) = sum(weight*x)
     n = 0
@@ -204,7 +206,7 @@ contains
       left = panel(f, interval, a, middle)
       right = panel(f, interval, middle, b)
       off = maxval(abs(undivided - left - right))
-      harmonics%samples = harmonics%samples + 2*points
+      harmonics%samples = harmonics%samples + 2*f%points
       if (off <= max(f%tolerance*(b - a), f%negligible) .or. halvings == 0) then
         total = total + left + right
         harmonics%error_estimate = harmonics%error_estimate + off

@@ -90,10 +90,10 @@ contains
       real(dp), allocatable :: of(:)
     end type phases_t
     type(phases_t) :: breaks(size(intervals))
-    integer, parameter :: looks = 8
+    integer, parameter :: most_looks = 8         ! of an interval without knots
     real(dp), allocatable :: list(:)
     real(dp) :: from, until
-    integer :: i, j, k, n
+    integer :: i, j, k, looks, n
 
     do i = 1, size(intervals)
       if (at_knots) then
@@ -109,6 +109,7 @@ contains
         n = 1
         do j = 1, size(of) - 1
           from = of(j)
+          looks = ceiling(most_looks*(of(j + 1) - of(j))/(intervals(i)%last - intervals(i)%first))
           do k = 1, looks
             until = of(j) + (of(j + 1) - of(j))*k/looks
             call find_changes(mesh, balance, intervals(i), from, until, list, n)

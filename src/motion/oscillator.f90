@@ -123,12 +123,14 @@ contains
   !> to it. The load is convex in the deflection, so that Newton's method from above converges monotonically.
   pure real(dp) function mean_deflection(osc) result(x)
     type(oscillator_t), intent(in) :: osc
-    integer, parameter :: samples = 32, most = 100
+    integer, parameter :: most = 100
     type(springs_t) :: springs(size(osc%intervals))
     real(dp), dimension(1, osc%pairs) :: effective, touching
     real(dp) :: load, slope
-    integer :: contact_set, i, k, n
+    integer :: contact_set, i, k, n, samples
 
+    ! Samples of an interval: over the many mesh periods of a turn their errors cancel.
+    samples = max(2, 32/osc%mesh%deviations%periods)
     do i = 1, size(osc%intervals)
       associate (interval => osc%intervals(i))
         call springs_at(osc%mesh, interval, interval%first + (interval%last - interval%first)* &
