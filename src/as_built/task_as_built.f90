@@ -183,6 +183,10 @@ contains
     call run_specimens(stages, which, rpm, self%quick, size(specimens), specimens, sample_error, error, unit_stress)
     if (allocated(error)) return
     call find_extremes(stages, which, nominal, specimens, self%with_ste, self%ste_harmonic, unit_stress, extremes, error)
+    if (.not. wants_stop(stages%accuracy%steady%stop)) then
+      followed = deviating(stages%motion(which), specimens(self%turn_assembly, self%turn_draw)%deviations, error)
+      call follow(self, stages, followed, rpm, specimens(self%turn_assembly, self%turn_draw), turns, waterfall, error)
+    end if
     if (allocated(error)) return
     self%is_stopped = wants_stop(stages%accuracy%steady%stop)
     if (self%is_stopped) then
@@ -190,9 +194,6 @@ contains
       self%is_done = .true.
       return
     end if
-    followed = deviating(stages%motion(which), specimens(self%turn_assembly, self%turn_draw)%deviations, error)
-    call follow(self, stages, followed, rpm, specimens(self%turn_assembly, self%turn_draw), turns, waterfall, error)
-    if (allocated(error)) return
     associate (amount => stages%amount(which), teeth => stages%motion(1)%mesh%teeth, &
                specimen => specimens(self%turn_assembly, self%turn_draw))
       call fill_points(amount, nominal, specimens, self%tables(self%place('as_built')), error)

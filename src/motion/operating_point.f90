@@ -5,7 +5,7 @@
 !> breaks and grow as it decays. After its decay the motion follows the static one, so that pairs close and open near the places
 !> where they begin and cease to carry the static load: those are breaks too.
 module gearsweep_motion_operating_point
-  use gearsweep_base, only: dp
+  use gearsweep_base, only: dp, wants_stop
   use gearsweep_motion_coefficients, only: graded_steps, resolution_t, scheme_collocation
   use gearsweep_motion_error_estimate, only: accuracy_t, compare, first_guess, first_level, given_resolution, given_steps, &
     is_estimated, last_level, leave_unknown, level_steps, levels_t, mark_inexact, need_batch_level, need_given, need_level, &
@@ -15,7 +15,7 @@ module gearsweep_motion_operating_point
   use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_motion_periodic_orbit, only: distance, has_converged, near, shoot, solve_full_contact, steady_t
   use gearsweep_motion_steady, only: find_batch, find_beside, find_converged, find_steady, is_one_branch
-  use gearsweep_motion_steady_motion, only: has_result, status_transient, status_unresolved
+  use gearsweep_motion_steady_motion, only: has_result, status_stopped, status_transient, status_unresolved
   use gearsweep_motion_transient, only: by_shooting, steady_options_t
   implicit none
   private
@@ -108,7 +108,7 @@ contains
     type(accuracy_t), intent(in) :: options
     type(steady_t), intent(out) :: steady(:)
 
-    call set_durations(map, duration)
+    call set_durations(map, duration, options%steady%stop)
     if (size(duration) == batch_size) then
       call find_batch(map, options%steady%tolerance, steady)
     else
@@ -152,6 +152,7 @@ contains
     if (levels%lacks) return
     if (options%steps > 0 .or. options%scheme /= scheme_collocation) then
       call solve_with_steps(osc, duration, options, levels, point, start)
+      if (wants_stop(options%steady%stop)) point%steady%status = status_stopped
       return
     end if
     graded = graded_resolution(osc, [duration], options, levels)
@@ -180,6 +181,7 @@ contains
     end do
     if (levels%lacks) point%steady%status = status_unresolved
     call mark_inexact(options, point)
+    if (wants_stop(options%steady%stop)) point%steady%status = status_stopped
   end subroutine solve_point
 
   !> Finds the motion in the steps of a level. If it is neither in full contact nor near `start`, it is searched on a level of its
@@ -208,7 +210,7 @@ contains
     associate (fine => levels%level(level)%map)
       if (.not. found .and. search%done) call go_on(fine, duration, options, search%motion, point, found)
       if (.not. found) then
-        call set_durations(fine, [duration])
+        call set_durations(fine, [duration], options%steady%stop)
         call find_steady(fine, options%steady, point%steady, start)
         point%work = point%work + point%steady%work
       end if
@@ -225,7 +227,7 @@ contains
     logical, intent(out) :: found
     real(dp), intent(in), optional :: start(2)
 
-    call set_durations(map, [duration])
+    call set_durations(map, [duration], options%steady%stop)
     if (present(start)) then
       call find_beside(map, options%steady, start, point%steady)
       found = has_result(point%steady%status)
@@ -251,7 +253,7 @@ contains
     if (levels%lacks) return
     alike = options%steady
     alike%tolerance = 1e-6_dp
-    call set_durations(levels%level(level)%map, [duration])
+    call set_durations(levels%level(level)%map, [duration], options%steady%stop)
     call find_steady(levels%level(level)%map, alike, search%motion, start)
     search%done = .true.
   end subroutine look_for
@@ -268,7 +270,7 @@ contains
     found = .not. has_result(motion%status)
     point%steady = motion
     if (found) return
-    call set_durations(map, [duration])
+    call set_durations(map, [duration], options%steady%stop)
     call shoot(map, options%steady%tolerance, motion%periods, motion%state, point%steady)
     point%work = point%work + point%steady%work
     found = has_result(point%steady%status) .and. distance(map%osc, duration, point%steady%state - motion%state) < near
@@ -316,10 +318,10 @@ contains
       call need_batch_level(osc, level, longest, options, levels, ready)
       if (.not. ready) return
       associate (coarse => levels%level(level - per_doubling)%map, fine => levels%level(level)%map)
-        call set_durations(coarse, duration)
+        call set_durations(coarse, duration, options%steady%stop)
         call find_batch(coarse, loose*options%steady%tolerance, half)
         if (.not. any(has_converged(half))) return
-        call set_durations(fine, duration)
+        call set_durations(fine, duration, options%steady%stop)
         call find_batch(fine, options%steady%tolerance, full, half)
         points%steps = fine%table%steps
       end associate
@@ -349,7 +351,7 @@ contains
     if (levels%lacks) return
     point%resolution = given_resolution(options)
     associate (fine => levels%given(1)%map)
-      call set_durations(fine, [duration])
+      call set_durations(fine, [duration], options%steady%stop)
       call find_steady(fine, options%steady, point%steady, start)
       point%steps = fine%steps
       point%work = point%work + point%steady%work
@@ -373,7 +375,7 @@ contains
     type(steady_t) :: half
     real(dp) :: linear(2), work
 
-    call set_durations(coarse, [duration])
+    call set_durations(coarse, [duration], options%steady%stop)
     if (.not. point%steady%departs) call solve_full_contact(coarse, linear, half)
     work = half%work
     if (.not. has_converged(half)) then

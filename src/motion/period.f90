@@ -13,8 +13,8 @@ module gearsweep_motion_period
   use gearsweep_motion_literature, only: run_literature_period
   use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, evaluate_candidates
   use gearsweep_motion_oscillator, only: touches_coast
-  use gearsweep_motion_period_map, only: compose, flush_to_zero, leave_full_contact, need_laws, need_propagator, period_map_t, &
-    propagate_alike, take_step
+  use gearsweep_motion_period_map, only: compose, flush_to_zero, is_cut, leave_full_contact, need_laws, need_propagator, &
+    period_map_t, propagate_alike, take_step
   use gearsweep_motion_trace, only: record, trace_t
   implicit none
   private
@@ -49,6 +49,7 @@ contains
     monodromy(:, 4) = 1
     shrunk = 0
     do i = 1, map%table%steps
+      if (is_cut(map, i)) exit
       place = merge(i, 1, map%cached)
       call propagate_alike(map%osc, map%table, i, map%duration(:map%speeds), i, map%propagator(:, :, place))
       map%contact_set(:, place) = map%table%full(i)
@@ -110,6 +111,7 @@ contains
       if (map%table%kind(i)%begins) call enter_interval(map, i, state, period)
       if (peaks .and. map%table%kind(i)%widens) call begin_loads(map, i, state)
       call advance(map, i, state, period, trace)
+      if (is_cut(map, i)) period%failed = .true.
       if (all(period(:map%speeds)%failed)) return
       if (peaks) then
         call watch_loads(map, i, state)

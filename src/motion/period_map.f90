@@ -5,7 +5,8 @@
 !> propagator. It depends on the contact set alone, so it is cached for the next motion through the period. All speeds of a batch
 !> share the coefficients, which are read once for all.
 module gearsweep_motion_period_map
-  use gearsweep_base, only: dp
+  use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
+  use gearsweep_base, only: dp, wants_stop
   use gearsweep_motion_coefficients, only: coefficients_t, forget_laws, need_law, resolution_t, scheme_collocation, tabulate
   use gearsweep_motion_gauss, only: batch_size, collocate, collocate_stiffly
   use gearsweep_motion_literature, only: exact_step_t, literature_table_t, tabulate_literature
@@ -13,7 +14,7 @@ module gearsweep_motion_period_map
   implicit none
   private
   public :: dense_step_t, period_map_t, discretise, set_durations, need_laws, need_propagator, take_step, compose, flush_to_zero
-  public :: leave_full_contact, propagate_alike
+  public :: leave_full_contact, propagate_alike, is_cut
 
   !> Step in which contact changes, before or after the change, with the motion within it (gearsweep_motion_single_event).
   type :: dense_step_t
@@ -40,6 +41,7 @@ module gearsweep_motion_period_map
     real(dp) :: shrunk(batch_size) = 0           !< logarithm of the factor removed from that
     type(dense_step_t) :: dense(8)               !< most recent ones
     integer :: denses = 0                        !< number computed so far
+    type(c_ptr) :: stop = c_null_ptr             !< stop flag of gearsweep_base_memory
   end type period_map_t
   integer, parameter :: most_cached = 2048, not_made = -1
 
@@ -68,11 +70,14 @@ contains
   end subroutine discretise
 
   !> Sets the durations of the period (s) at up to `batch_size` speeds, and deletes all propagators.
-  pure subroutine set_durations(map, duration)
+  pure subroutine set_durations(map, duration, stop)
     type(period_map_t), intent(inout) :: map
     real(dp), intent(in) :: duration(:)          !< duration of one speed, or of all speeds of a batch, s
+    !> Stop flag of gearsweep_base_memory, for the motions from now on
+    type(c_ptr), intent(in), optional :: stop
     integer :: places
 
+    if (present(stop)) map%stop = stop
     map%speeds = size(duration)
     map%duration = duration(size(duration))
     map%duration(:size(duration)) = duration
@@ -94,6 +99,16 @@ contains
     map%all_full = .false.
     map%denses = 0
   end subroutine set_durations
+
+  !> True if the caller stops the run in this step of a period. Only turns of many mesh periods take so long that this matters.
+  pure logical function is_cut(map, step)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step
+    integer, parameter :: unheard = 4096         ! steps between two looks at the flag
+
+    is_cut = modulo(step, unheard) == 0
+    if (is_cut) is_cut = wants_stop(map%stop)
+  end function is_cut
 
   !> Finds the laws of a batch of contact sets in a step.
   pure subroutine need_laws(map, step, contact_set, law)

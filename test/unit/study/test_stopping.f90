@@ -1,6 +1,6 @@
 !> A run that its caller ends keeps what is done, with the bits of a run to the end, and says what is missing.
 module test_stopping
-  use, intrinsic :: iso_c_binding, only: c_int
+  use, intrinsic :: iso_c_binding, only: c_int, c_loc
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_study_case_case, only: case_t
@@ -8,11 +8,17 @@ module test_stopping
   use gearsweep_api_case_reader, only: read_case
   use gearsweep_base_error, only: error_t
   use gearsweep_base_kinds, only: dp
+  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_contact_set, only: period_t
+  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_motion_period, only: run_period
+  use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_motion_steady_motion, only: status_name, status_stopped
   use gearsweep_study_run_study, only: run_study, study_t
   use gearsweep_base_table, only: table_t
   use gearsweep_api_tables, only: column_of, make_table
   use gearsweep_base_text, only: str
+  use test_support_reference_rows, only: prescribed
   use test_support_reproducible, only: write_reproducible
   use test_support_testing, only: check_equal, check_no_error, check_true, tally_t
   implicit none
@@ -46,6 +52,7 @@ contains
       '&poincare rpm = 6800, 7000 settling_periods = 20 kept_periods = 9 / &attractors rpm = 6800, 7000 starts = 2 /', 2, &
       [1, 6, 87, 88, 96])
     if (t%wants('ended_at_once')) call ended_at_once(t)
+    if (t%wants('cut')) call cut(t)
   end subroutine run
 
   subroutine read(t, direction, tasks, more, case)
@@ -182,4 +189,31 @@ contains
     call check_true(t, 'the log says so', index(study%log, 'sweep left out: the run was interrupted') > 0)
     call check_equal(t, 'nothing was counted', int(watch(2)), 0)
   end subroutine ended_at_once
+
+  !> A period of many steps, as that of hunting teeth, ends before its end.
+  subroutine cut(t)
+    type(tally_t), intent(inout) :: t
+    integer(c_int), target :: flag
+    type(oscillator_t) :: osc
+    type(period_map_t) :: map
+    type(period_t) :: period
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call prescribed(1.6_dp, [400.0_dp, 0.0_dp, -120.0_dp], [14.0_dp, 9.0_dp], 1, osc)
+    osc%load = 7000
+    osc%mass = [0.8_dp, 0.9_dp]
+    osc%damping_ratio = 0.1_dp
+    osc%mesh%teeth = [25, 25]
+    call make_oscillator(osc, error)
+    call check_no_error(t, 'oscillator', error)
+    call discretise(osc, resolution_t(10000.0_dp), map)
+    do i = 0, 1
+      flag = int(i, c_int)
+      call set_durations(map, [mesh_period(osc%mesh%teeth(1), 5000.0_dp)], c_loc(flag))
+      call run_period(map, [2*osc%static_deflection, 0.0_dp], period)
+      call check_true(t, merge('cut  ', 'whole', i == 1), period%failed .eqv. i == 1)
+      call check_true(t, 'steps', merge(period%work < 0.9_dp*map%steps, period%work >= map%steps, i == 1), str(period%work))
+    end do
+  end subroutine cut
 end module test_stopping
