@@ -4,9 +4,9 @@ module gearsweep_nonlinear_task_attractors
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_base, only: axis, claim_memory, code_memory, dp, error_t, fail, left, lines_t, no_number, str, table_t
   use gearsweep_motion, only: attractor_options_t, attractors_t, contact_name, contact_of, find_attractors, has_result, &
-    largest_reached, mesh_period, start_states, status_ok, status_stopped
-  use gearsweep_study, only: of_estimate, of_factor, of_periods, of_relief, of_speed, &
-    of_status, reader_t, runnable_t, stage, stages_t, task_info_t, words_of
+    largest_reached, mesh_period, point_t, start_states, status_ok, status_stopped
+  use gearsweep_study, only: of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
+    reader_t, runnable_t, stage, stages_t, task_info_t, words_of
   implicit none
   private
   public :: attractors_task_t
@@ -17,6 +17,15 @@ module gearsweep_nonlinear_task_attractors
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
   end type attractors_task_t
+
+  !> Row of attractors.
+  type :: row_t
+    real(dp) :: relief, rpm, period              !< m, 1/min; mesh period, s
+    integer :: number                            !< index of the motion at this speed
+    integer :: starts                            !< number of starts that lead to it
+    real(dp) :: share                            !< the same as a share of all starts
+    type(point_t) :: point
+  end type row_t
 
   character(*), parameter :: group = 'attractors'
 
@@ -94,51 +103,44 @@ contains
     type(attractors_t), intent(in) :: found(:, :)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: values(:, :)
-    integer, allocatable :: counts(:, :), status(:), contact(:)
-    integer :: rows, row, i, k, m
+    type(row_t), allocatable :: rows(:)
+    logical, allocatable :: known(:)
+    integer :: i, k, m, n
 
-    rows = sum([((size(found(k, i)%motion), k=1, size(rpm)), i=1, size(relief))])
-    call table%begin('attracting motions at each speed, the one to which most starts lead first', rows, error)
+    n = sum([((size(found(k, i)%motion), k=1, size(rpm)), i=1, size(relief))])
+    call table%begin('attracting motions at each speed, the one to which most starts lead first', n, error)
     if (allocated(error)) return
-    allocate (values(rows, 8), counts(rows, 3), status(rows), contact(rows))
-    row = 0
+    allocate (rows(n))
+    n = 0
     do i = 1, size(relief)
       do k = 1, size(rpm)
         do m = 1, size(found(k, i)%motion)
-          row = row + 1
+          n = n + 1
           associate (motion => found(k, i)%motion(m))
-            associate (steady => motion%point%steady)
-              values(row, :) = [relief(i), rpm(k), no_number(), no_number(), steady%multiplier, no_number(), no_number(), &
-                                motion%starts/real(size(found(k, i)%to), dp)]
-              if (has_result(steady%status)) then
-                values(row, 3:4) = [motion%point%dynamic_factor, motion%point%estimate]
-                values(row, 6:7) = [steady%state(1), steady%state(2)/period(k)]
-              end if
-              counts(row, :) = [m, steady%periods, motion%starts]
-              status(row) = steady%status
-              contact(row) = contact_of(steady)
-            end associate
+            rows(n) = row_t(relief(i), rpm(k), period(k), m, motion%starts, share_of(found(k, i), m), motion%point)
           end associate
         end do
       end do
     end do
-    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
-    call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
-    call table%add_index(axis('motion', '', 'which of the motions at this speed', counts(:, 1)))
-    call table%add('dynamic_factor', '', of_factor, values(:, 3))
-    call table%add('error_estimate', '', of_estimate, values(:, 4))
-    call table%add_words('status', of_status, words_of(status))
-    call table%add_words('contact', 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides '// &
-                         'touched', contact_name(contact))
-    call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', values(:, 5))
-    call table%add('mesh_periods', '', of_periods, counts(:, 2))
-    call table%add('starts', '', 'how many starts lead to it; 0: none reaches it, and it is left out of largest values', &
-                   counts(:, 3))
-    call table%add('share', '', 'the same as a share of all starts', values(:, 8))
-    call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', values(:, 6))
-    call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
-                   'continued from both', values(:, 7))
+    associate (point => rows%point, steady => rows%point%steady)
+      known = has_result(steady%status)
+      call table%add_index(axis('relief_um', 'um', of_relief, [rows%relief]))
+      call table%add_index(axis('rpm', '1/min', of_speed, [rows%rpm]))
+      call table%add_index(axis('motion', '', 'which of the motions at this speed', [rows%number]))
+      call table%add('dynamic_factor', '', of_factor, merge(point%dynamic_factor, no_number(), known))
+      call table%add('error_estimate', '', of_estimate, merge(point%estimate, no_number(), known))
+      call table%add_words('status', of_status, words_of(steady%status))
+      call table%add_words('contact', 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides '// &
+                           'touched', contact_name(contact_of(steady)))
+      call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', [steady%multiplier])
+      call table%add('mesh_periods', '', of_periods, [steady%periods])
+      call table%add('starts', '', 'how many starts lead to it; 0: none reaches it, and it is left out of largest values', &
+                     [rows%starts])
+      call table%add('share', '', 'the same as a share of all starts', [rows%share])
+      call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', merge(steady%state(1), no_number(), known))
+      call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
+                     'continued from both', merge(steady%state(2)/rows%period, no_number(), known))
+    end associate
   end subroutine fill_motions
 
   !> Fills a row for each relief and speed.
@@ -147,47 +149,35 @@ contains
     type(attractors_t), intent(in) :: found(:, :)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: values(:, :)
-    integer, allocatable :: counts(:, :), status(:)
-    integer :: row, i, k
+    integer :: i, k
 
+    call table%over('how many motions attract, and what a sweep of single speeds shows of them', error, &
+                    axis('relief_um', 'um', of_relief, relief), axis('rpm', '1/min', of_speed, rpm))
+    if (allocated(error)) return
     associate (n => size(rpm), m => size(relief))
-      call table%over('how many motions attract, and what a sweep of single speeds shows of them', error, &
-                      axis('relief_um', 'um', of_relief, relief), axis('rpm', '1/min', of_speed, rpm))
-      if (allocated(error)) return
-      allocate (values(n*m, 4), counts(n*m, 2), status(n*m))
-      row = 0
-      do i = 1, m
-        do k = 1, n
-          row = row + 1
-          values(row, :) = summary(found(k, i))
-          counts(row, :) = [size(found(k, i)%motion), found(k, i)%alone_is]
-          status(row) = found(k, i)%status
-        end do
-      end do
-      call table%add('motions', '', 'how many attracting motions are known', counts(:, 1))
+      call table%add('motions', '', 'how many attracting motions are known', [((size(found(k, i)%motion), k=1, n), i=1, m)])
       call table%add('largest_dynamic_factor', '', 'largest DF of those that a start reaches or a sweep of single speeds '// &
-                     'shows; NaN where none is known', values(:, 1))
+                     'shows; NaN where none is known', [((largest_reached(found(k, i)), k=1, n), i=1, m)])
       call table%add('each_dynamic_factor', '', 'DF that a sweep with direction = ''each'' shows; NaN where it has no answer', &
-                     values(:, 2))
-      call table%add('each_motion', '', 'which of the motions that is; 0: none of them', counts(:, 2))
-      call table%add('each_share', '', 'share of the starts that lead to it', values(:, 3))
-      call table%add('unsettled_share', '', 'share of the starts that nothing captured within followed_periods', values(:, 4))
-      call table%add_words('status', 'ok; unresolved: the speed is too low to be searched', words_of(status))
+                     [merge(found%alone%dynamic_factor, no_number(), has_result(found%alone%steady%status))])
+      call table%add('each_motion', '', 'which of the motions that is; 0: none of them', [found%alone_is])
+      call table%add('each_share', '', 'share of the starts that lead to it', &
+                     [((merge(share_of(found(k, i), found(k, i)%alone_is), no_number(), found(k, i)%alone_is > 0), &
+                        k=1, n), i=1, m)])
+      call table%add('unsettled_share', '', 'share of the starts that nothing captured within followed_periods', &
+                     [((merge(share_of(found(k, i), 0), no_number(), found(k, i)%status == status_ok), k=1, n), i=1, m)])
+      call table%add_words('status', 'ok; unresolved: the speed is too low to be searched', words_of([found%status]))
     end associate
   end subroutine fill_points
 
-  !> Summary: largest DF of the motions reached, DF of the operating point and its share, share of the starts without a motion.
-  pure function summary(found) result(values)
+  !> Share of the starts that lead to the motion with this index, or to none of the motions (0).
+  pure real(dp) function share_of(found, motion) result(share)
     type(attractors_t), intent(in) :: found
-    real(dp) :: values(4)
+    integer, intent(in) :: motion
 
-    values = no_number()
-    values(1) = largest_reached(found)
-    if (has_result(found%alone%steady%status)) values(2) = found%alone%dynamic_factor
-    if (found%alone_is > 0) values(3) = found%motion(found%alone_is)%starts/real(size(found%to), dp)
-    if (found%status == status_ok) values(4) = count(found%to == 0)/real(size(found%to), dp)
-  end function summary
+    share = no_number()
+    if (allocated(found%to)) share = count(found%to == motion)/real(size(found%to), dp)
+  end function share_of
 
   !> Fills a row for each relief, speed and start.
   pure subroutine fill_basins(stages, rpm, which, options, found, table, error)

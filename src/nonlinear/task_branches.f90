@@ -7,7 +7,7 @@ module gearsweep_nonlinear_task_branches
     of_dte_rms, of_periods, of_relief, of_speed, reader_t, runnable_t, stage, stages_t, task_info_t, &
     vary_damping, vary_force, vary_relief, vary_rpm
   use gearsweep_nonlinear_branch, only: branch_point_t, end_names, follow_options_t
-  use gearsweep_nonlinear_branch_search, only: branch_search_options_t, find_branches, whole_branch_t
+  use gearsweep_nonlinear_branch_search, only: branch_search_options_t, find_branches, special_t, whole_branch_t
   use gearsweep_nonlinear_motion_equations, only: family_t, kind_names, width
   implicit none
   private
@@ -21,7 +21,7 @@ module gearsweep_nonlinear_task_branches
     type(case_variation_t) :: case
     integer :: which = vary_rpm                  !< index of the parameter among these numbers
   contains
-    procedure :: oscillator_at, duration_at, numbers_at
+    procedure :: oscillator_at, duration_at, numbers_at, in_key_unit
   end type case_family_t
 
   !> Branches with one amount of relief.
@@ -31,9 +31,23 @@ module gearsweep_nonlinear_task_branches
     integer :: unresolved = 0                    !< number of seeds whose speed is too low
   end type branch_set_t
 
-  !> Indices of a row: set, branch and point.
+  !> Row of branches.
+  type :: branch_row_t
+    real(dp) :: relief                           !< m; NaN where it is the parameter
+    real(dp) :: least, largest                   !< values of the parameter, in the unit of its name
+    real(dp) :: dynamic_factor                   !< the largest on the branch
+    integer :: periods, points, stable_points
+    integer :: ends(2)                           !< kinds of the ends
+  end type branch_row_t
+
+  !> Row of branch_points or branch_changes.
   type :: row_t
-    integer :: set = 0, branch = 0, at = 0, number = 0
+    integer :: branch = 0, at = 0                !< index of the branch over all sets, and of the point on it
+    integer :: periods = 0                       !< mesh periods until the motion repeats
+    real(dp) :: numbers(parameters) = 0          !< numbers of the case, SI units
+    real(dp) :: state(2) = 0                     !< m and m/s
+    type(special_t) :: special                   !< of a point of a branch: its point only
+    real(dp) :: enclosed = 0                     !< width of the bracket, in the unit of the parameter's name
   end type row_t
 
   integer, parameter :: word = 8
@@ -117,44 +131,51 @@ contains
     duration_at = mesh_period(self%case%inputs%motion%teeth(1), numbers(vary_rpm))
   end function duration_at
 
+  !> Value of the parameter in the unit of its name.
+  pure real(dp) function in_key_unit(self, value)
+    class(case_family_t), intent(in) :: self
+    real(dp), intent(in) :: value
+
+    in_key_unit = value*merge(1e6_dp, 1.0_dp, self%which == vary_relief)
+  end function in_key_unit
+
   !> Fills a row for each branch.
   pure subroutine fill_branches(found, table, error)
     type(branch_set_t), intent(in) :: found(:)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    type(row_t), allocatable :: rows(:)
-    real(dp), allocatable :: values(:, :)
-    integer, allocatable :: counts(:, :), ends(:, :)
-    integer :: i
+    type(branch_row_t), allocatable :: rows(:)
+    integer :: i, k, n
 
-    call list_rows(found, 0, rows)
-    call table%begin('branches of periodic motions over the parameter', size(rows), error)
+    n = sum([(size(found(i)%branch), i=1, size(found))])
+    call table%begin('branches of periodic motions over the parameter', n, error)
     if (allocated(error)) return
-    allocate (values(size(rows), 4), counts(size(rows), 4), ends(size(rows), 2))
-    do i = 1, size(rows)
-      associate (b => found(rows(i)%set)%branch(rows(i)%branch), family => found(rows(i)%set)%family)
-        values(i, 1) = family%case%relief
-        if (family%which == vary_relief) values(i, 1) = no_number()
-        values(i, 2) = min(minval(b%point%value), minval(b%special%point%value))
-        values(i, 3) = max(maxval(b%point%value), maxval(b%special%point%value))
-        values(i, 2:3) = values(i, 2:3)*merge(1e6_dp, 1.0_dp, family%which == vary_relief)
-        values(i, 4) = max(maxval(b%point%dynamic_factor), maxval(b%special%point%dynamic_factor))
-        counts(i, :) = [rows(i)%number, b%periods, size(b%point), count(b%point%modulus < 1 - neutral)]
-        ends(i, :) = b%ends
-      end associate
+    allocate (rows(n))
+    n = 0
+    do i = 1, size(found)
+      do k = 1, size(found(i)%branch)
+        n = n + 1
+        associate (b => found(i)%branch(k), family => found(i)%family)
+          rows(n) = branch_row_t(merge(no_number(), family%case%relief, family%which == vary_relief), &
+            family%in_key_unit(min(minval(b%point%value), minval(b%special%point%value))), &
+            family%in_key_unit(max(maxval(b%point%value), maxval(b%special%point%value))), &
+            max(maxval(b%point%dynamic_factor), maxval(b%special%point%dynamic_factor)), &
+            b%periods, size(b%point), count(b%point%modulus < 1 - neutral), b%ends)
+        end associate
+      end do
     end do
-    call table%add_index(axis('branch', '', of_branch, counts(:, 1)))
-    call table%add('relief_um', 'um', of_relief//'; NaN where it is the parameter', values(:, 1))
-    call table%add('mesh_periods', '', of_periods, counts(:, 2))
-    call table%add('least', '', 'least value of the parameter, in the unit of its name', values(:, 2))
-    call table%add('largest', '', 'largest value of the parameter', values(:, 3))
-    call table%add('largest_dynamic_factor', '', 'largest DF on the branch', values(:, 4))
-    call table%add('points', '', 'points followed', counts(:, 3))
-    call table%add('stable_points', '', 'of these, where the motion attracts', counts(:, 4))
+    call table%add_index(axis('branch', '', of_branch, [(i, i=1, n)]))
+    call table%add('relief_um', 'um', of_relief//'; NaN where it is the parameter', [rows%relief])
+    call table%add('mesh_periods', '', of_periods, [rows%periods])
+    call table%add('least', '', 'least value of the parameter, in the unit of its name', [rows%least])
+    call table%add('largest', '', 'largest value of the parameter', [rows%largest])
+    call table%add('largest_dynamic_factor', '', 'largest DF on the branch', [rows%dynamic_factor])
+    call table%add('points', '', 'points followed', [rows%points])
+    call table%add('stable_points', '', 'of these, where the motion attracts', [rows%stable_points])
     call table%add_words('first_end', 'how it ends where its points begin: range: of the parameter; closed: in itself; '// &
                          'doubling: in a motion of half the period, whose period doubles there; lost: Newton''s method does '// &
-                         'not go on; length: so many points', [end_names(ends(:, 1))])
-    call table%add_words('last_end', 'how it ends where its points end', [end_names(ends(:, 2))])
+                         'not go on; length: so many points', [end_names(rows%ends(1))])
+    call table%add_words('last_end', 'how it ends where its points end', [end_names(rows%ends(2))])
   end subroutine fill_branches
 
   !> Fills a row for each point of each branch.
@@ -163,27 +184,16 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     type(row_t), allocatable :: rows(:)
-    real(dp), allocatable :: states(:, :)
-    integer, allocatable :: at(:), number(:)
-    integer :: i
 
-    call list_rows(found, 1, rows)
+    call list_rows(found, .false., rows)
     call table%begin('points of the branches, from one end to the other', size(rows), error)
     if (allocated(error)) return
-    allocate (states(size(rows), 2), at(size(rows)), number(size(rows)))
-    do i = 1, size(rows)
-      associate (b => found(rows(i)%set)%branch(rows(i)%branch))
-        states(i, :) = b%scale*b%point(rows(i)%at)%z(:2)
-        at(i) = rows(i)%at
-        number(i) = rows(i)%number
-      end associate
-    end do
-    call table%add_index(axis('branch', '', of_branch, number))
-    call table%add_index(axis('point', '', 'which of its points', at))
-    call add_motions(found, rows, .false., table)
-    call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', states(:, 1))
+    call table%add_index(axis('branch', '', of_branch, [rows%branch]))
+    call table%add_index(axis('point', '', 'which of its points', [rows%at]))
+    call add_motions(rows, table)
+    call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', [rows%state(1)])
     call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
-                   'continued from both', states(:, 2))
+                   'continued from both', [rows%state(2)])
   end subroutine fill_points
 
   !> Fills a row for each fold, doubling and grazing.
@@ -192,97 +202,82 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     type(row_t), allocatable :: rows(:)
-    real(dp), allocatable :: phase(:), enclosed(:)
-    integer, allocatable :: after(:), kind(:), period(:), number(:)
-    integer :: i
 
-    call list_rows(found, 2, rows)
+    call list_rows(found, .true., rows)
     call table%begin('where the motion changes its kind along a branch', size(rows), error)
     if (allocated(error)) return
-    allocate (phase(size(rows)), enclosed(size(rows)), after(size(rows)), kind(size(rows)), period(size(rows)), &
-              number(size(rows)))
-    do i = 1, size(rows)
-      associate (family => found(rows(i)%set)%family)
-        associate (special => found(rows(i)%set)%branch(rows(i)%branch)%special(rows(i)%at))
-          phase(i) = no_number()
-          if (special%overlap%contact > 0) phase(i) = special%overlap%phase
-          period(i) = special%overlap%period
-          enclosed(i) = special%enclosed/width*(family%last - family%first) &
-                        *merge(1e6_dp, 1.0_dp, family%which == vary_relief)
-          after(i) = special%after
-          kind(i) = special%kind
-          number(i) = rows(i)%number
-        end associate
-      end associate
-    end do
-    call table%add_index(axis('branch', '', of_branch, number))
+    call table%add_index(axis('branch', '', of_branch, [rows%branch]))
     call table%add_words('kind', 'fold: a Floquet multiplier is 1, and the branch turns back; doubling: one is -1; '// &
                          'grazing: the overlap of a contact is 0 where it is smallest or largest, or where a pair enters or '// &
                          'leaves; vertical: a line of motions begins at one value of the parameter; unknown: contact or '// &
-                         'stability changes between this point and the one before, and it is not known how', [kind_names(kind)])
-    call table%add('after_point', '', 'the point of the branch before it', after)
-    call add_motions(found, rows, .true., table)
-    call table%add('phase', '', 'of grazing, the mesh phase; NaN where it is not known or no grazing', phase)
-    call table%add('in_period', '', 'of grazing, in which of the mesh periods; 0 as above', period)
+                         'stability changes between this point and the one before, and it is not known how', &
+                         [kind_names(rows%special%kind)])
+    call table%add('after_point', '', 'the point of the branch before it', [rows%special%after])
+    call add_motions(rows, table)
+    associate (overlap => rows%special%overlap)
+      call table%add('phase', '', 'of grazing, the mesh phase; NaN where it is not known or no grazing', &
+                     merge(overlap%phase, no_number(), overlap%contact > 0))
+      call table%add('in_period', '', 'of grazing, in which of the mesh periods; 0 as above', [overlap%period])
+    end associate
     call table%add('enclosed', '', 'between motions so far apart it is enclosed, as a distance in the unit of the parameter''s '// &
-                   'name', enclosed)
+                   'name', [rows%enclosed])
   end subroutine fill_changes
 
   !> Adds the columns of a motion.
-  pure subroutine add_motions(found, rows, special, table)
-    type(branch_set_t), intent(in) :: found(:)
+  pure subroutine add_motions(rows, table)
     type(row_t), intent(in) :: rows(:)
-    logical, intent(in) :: special               ! true: special points; false: points of branches
     type(table_t), intent(inout) :: table
-    type(branch_point_t) :: point
-    real(dp), allocatable :: numbers(:, :), values(:, :)
-    integer, allocatable :: periods(:), contact(:)
-    character(word), allocatable :: stability(:)
+    character(word) :: stability(size(rows))
     integer :: i
 
-    allocate (numbers(size(rows), 4), values(size(rows), 4), periods(size(rows)), contact(size(rows)), stability(size(rows)))
-    do i = 1, size(rows)
-      associate (b => found(rows(i)%set)%branch(rows(i)%branch), family => found(rows(i)%set)%family)
-        if (special) point = b%special(rows(i)%at)%point
-        if (.not. special) point = b%point(rows(i)%at)
-        numbers(i, :) = family%numbers_at(point%value)
-        periods(i) = b%periods
-      end associate
-      values(i, :) = [point%dynamic_factor, point%modulus, point%dte_rms, point%dte_range]
-      contact(i) = contact_of(steady_t(partial=point%partial, lost=point%lost, coast=point%coast))
-      stability(i) = 'unstable'
-      if (point%modulus <= 1 + neutral) stability(i) = 'marginal'
-      if (point%modulus < 1 - neutral) stability(i) = 'stable'
-    end do
-    call table%add('rpm', '1/min', of_speed, numbers(:, vary_rpm))
-    call table%add('damping_ratio', '', of_damping_ratio, numbers(:, vary_damping))
-    call table%add('relief_um', 'um', of_relief, numbers(:, vary_relief))
-    call table%add('normal_force_n', 'N', of_normal_force, numbers(:, vary_force))
-    call table%add('dynamic_factor', '', of_dynamic_factor, values(:, 1))
-    call table%add('mesh_periods', '', of_periods, periods)
-    call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', values(:, 2))
-    call table%add_words('stability', 'stable: the motion attracts; unstable: it repels; marginal: neither, to 1e-7', stability)
-    call table%add_words('contact', of_contact, contact_name(contact))
-    call table%add('dte_rms_um', 'um', of_dte_rms, values(:, 3))
-    call table%add('dte_peak_to_peak_um', 'um', of_dte_range, values(:, 4))
+    call table%add('rpm', '1/min', of_speed, [rows%numbers(vary_rpm)])
+    call table%add('damping_ratio', '', of_damping_ratio, [rows%numbers(vary_damping)])
+    call table%add('relief_um', 'um', of_relief, [rows%numbers(vary_relief)])
+    call table%add('normal_force_n', 'N', of_normal_force, [rows%numbers(vary_force)])
+    associate (point => rows%special%point)
+      stability = 'unstable'
+      where (point%modulus <= 1 + neutral) stability = 'marginal'
+      where (point%modulus < 1 - neutral) stability = 'stable'
+      call table%add('dynamic_factor', '', of_dynamic_factor, [point%dynamic_factor])
+      call table%add('mesh_periods', '', of_periods, [rows%periods])
+      call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', [point%modulus])
+      call table%add_words('stability', 'stable: the motion attracts; unstable: it repels; marginal: neither, to 1e-7', stability)
+      call table%add_words('contact', of_contact, contact_name([(contact_of(steady_t(partial=point(i)%partial, &
+                           lost=point(i)%lost, coast=point(i)%coast)), i=1, size(rows))]))
+      call table%add('dte_rms_um', 'um', of_dte_rms, [point%dte_rms])
+      call table%add('dte_peak_to_peak_um', 'um', of_dte_range, [point%dte_range])
+    end associate
   end subroutine add_motions
 
-  !> Lists the rows: one for each branch (0), point (1) or special point (2). Branches are counted over all sets.
-  pure subroutine list_rows(found, what, rows)
+  !> Lists the rows: one for each point or special point. Branches are counted over all sets.
+  pure subroutine list_rows(found, special, rows)
     type(branch_set_t), intent(in) :: found(:)
-    integer, intent(in) :: what
+    logical, intent(in) :: special               ! true: special points; false: points of branches
     type(row_t), allocatable, intent(out) :: rows(:)
-    integer :: i, k, m, n, number
+    integer :: i, k, m, n, branch
 
-    allocate (rows(0))
-    number = 0
+    allocate (rows(sum([((merge(size(found(i)%branch(k)%special), size(found(i)%branch(k)%point), special), &
+                          k=1, size(found(i)%branch)), i=1, size(found))])))
+    n = 0
+    branch = 0
     do i = 1, size(found)
       do k = 1, size(found(i)%branch)
-        number = number + 1
-        n = 1
-        if (what == 1) n = size(found(i)%branch(k)%point)
-        if (what == 2) n = size(found(i)%branch(k)%special)
-        rows = [rows, [(row_t(i, k, m, number), m=1, n)]]
+        branch = branch + 1
+        associate (b => found(i)%branch(k), family => found(i)%family)
+          do m = 1, merge(size(b%special), size(b%point), special)
+            n = n + 1
+            if (special) rows(n)%special = b%special(m)
+            if (.not. special) rows(n)%special%point = b%point(m)
+            rows(n)%branch = branch
+            rows(n)%at = m
+            rows(n)%periods = b%periods
+            associate (point => rows(n)%special%point)
+              rows(n)%numbers = family%numbers_at(point%value)
+              rows(n)%state = b%scale*point%z(:2)
+            end associate
+            rows(n)%enclosed = family%in_key_unit(rows(n)%special%enclosed/width*(family%last - family%first))
+          end do
+        end associate
       end do
     end do
   end subroutine list_rows

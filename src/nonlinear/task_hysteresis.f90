@@ -4,9 +4,10 @@
 !> Runs at a finite rate are added on request (see gearsweep_motion_continuation).
 module gearsweep_nonlinear_task_hysteresis
   use gearsweep_base, only: axis, code_input, code_memory, dp, error_t, fail, left, lines_t, no_number, str, table_t
-  use gearsweep_motion, only: branch_options_t, branch_t, contact_name, contact_of, follow_branch, follow_ramp, has_result, &
-    level_t, mesh_period, oscillator_t, periods_of_ramp, point_t, ramp_options_t, ramp_t, status_name, status_stopped
-  use gearsweep_study, only: of_dte_estimate, of_dte_range, of_dte_rms, reader_t, runnable_t, stage, stages_t, task_info_t
+  use gearsweep_motion, only: branch_options_t, branch_t, change_t, contact_name, contact_of, follow_branch, follow_ramp, &
+    has_result, level_t, mesh_period, oscillator_t, periods_of_ramp, point_t, ramp_options_t, ramp_t, status_name, status_stopped
+  use gearsweep_study, only: of_dte_estimate, of_dte_range, of_dte_rms, reader_t, runnable_t, stage, stages_t, task_info_t, &
+    words_of
   implicit none
   private
   public :: ramps_t, fill_ramps, fill_delays, hysteresis_task_t
@@ -29,6 +30,21 @@ module gearsweep_nonlinear_task_hysteresis
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
   end type hysteresis_task_t
+
+  !> Row of hysteresis_changes.
+  type :: change_row_t
+    real(dp) :: relief                           !< m
+    integer :: way, number                       !< index of the direction, and of the change in its run
+    type(change_t) :: change
+  end type change_row_t
+
+  !> Row of hysteresis_delays.
+  type :: delay_row_t
+    real(dp) :: relief                           !< m
+    integer :: way, change                       !< index of the direction, and of the change in its slow run
+    real(dp) :: rpm                              !< speed just after the jump of the slow run, 1/min
+    real(dp) :: delay(3)                         !< speed of the jump, 1/min, delay and its error, s
+  end type delay_row_t
 
   character(*), parameter :: group = 'hysteresis'
   integer, parameter :: word = 12
@@ -108,37 +124,36 @@ contains
     real(dp), intent(in) :: rate                 !< rate of the speed, (1/min)/s
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: values(:, :)
-    character(4), allocatable :: direction(:)
-    integer :: rows, row, i, way, k
+    type(delay_row_t), allocatable :: rows(:)
+    integer :: i, way, k, n
 
-    rows = sum([((size(ramps(way, i)%level), way=1, 2), i=1, size(relief))])
-    call table%begin('how late the runs at a finite rate jump', rows, error)
+    n = sum([((size(ramps(way, i)%level), way=1, 2), i=1, size(relief))])
+    call table%begin('how late the runs at a finite rate jump', n, error)
     if (allocated(error)) return
-    allocate (values(rows, 6), direction(rows))
-    row = 0
+    allocate (rows(n))
+    n = 0
     do i = 1, size(relief)
       do way = 1, 2
-        do k = 1, size(ramps(way, i)%level)
-          row = row + 1
-          direction(row) = ways(way)
-          associate (change => ramps(way, i)%change(k))
-            values(row, :) = [relief(i), real(change, dp), branch(way, i)%change(change)%rpm(2), &
-                              delay(branch(way, i)%change(change)%rpm(2), ramps(way, i)%fine%passed(k), &
-                                    ramps(way, i)%coarse%passed(k), rate, ramps(way, i)%teeth)]
-          end associate
-        end do
+        associate (ramp => ramps(way, i))
+          do k = 1, size(ramp%level)
+            n = n + 1
+            associate (rpm => branch(way, i)%change(ramp%change(k))%rpm(2))
+              rows(n) = delay_row_t(relief(i), way, ramp%change(k), rpm, &
+                                    delay(rpm, ramp%fine%passed(k), ramp%coarse%passed(k), rate, ramp%teeth))
+            end associate
+          end do
+        end associate
       end do
     end do
-    call table%add_index(axis('relief_um', 'um', 'tip relief, as amount_um of the case', values(:, 1)))
-    call table%add_index(axis('direction', '', 'of the run through the speeds', direction))
-    call table%add_index(axis('change', '', 'which change of this direction in hysteresis_changes', nint(values(:, 2))))
-    call table%add('rpm', '1/min', 'speed of the pinion just after the jump of the slow run', values(:, 3))
+    call table%add_index(axis('relief_um', 'um', 'tip relief, as amount_um of the case', [rows%relief]))
+    call table%add_index(axis('direction', '', 'of the run through the speeds', ways(rows%way)))
+    call table%add_index(axis('change', '', 'which change of this direction in hysteresis_changes', [rows%change]))
+    call table%add('rpm', '1/min', 'speed of the pinion just after the jump of the slow run', [rows%rpm])
     call table%add('ramp_rpm', '1/min', 'speed at which the largest load of a mesh period is first halfway from that before to '// &
-                   'that after the jump; NaN where it never is', values(:, 4))
-    call table%add('delay_s', 's', 'time from the jump of the slow run to that', values(:, 5))
+                   'that after the jump; NaN where it never is', [rows%delay(1)])
+    call table%add('delay_s', 's', 'time from the jump of the slow run to that', [rows%delay(2)])
     call table%add('error_estimate_s', 's', 'estimated error of the delay: its change with steps twice as long, and a mesh '// &
-                   'period, of which it is a whole number', values(:, 6))
+                   'period, of which it is a whole number', [rows%delay(3)])
   end subroutine fill_delays
 
   !> Computes speed of the jump (1/min), delay and its error (s).
@@ -240,52 +255,38 @@ contains
     type(branch_t), intent(in) :: branch(:, :)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    type(point_t), allocatable :: point(:)
-    real(dp), allocatable :: values(:, :)
-    character(word), allocatable :: words(:, :)
-    integer :: n, rows, row, i, way, k
+    type(point_t), allocatable :: points(:)
+    logical, allocatable :: known(:)
+    integer :: i, n
 
     n = size(rpm)
-    rows = n*size(branch)
     call table%over('steady motions that a slow run up through the speeds and one down meet', error, &
                     axis('relief_um', 'um', 'tip relief, as amount_um of the case', relief), &
                     axis('direction', '', 'of the slow run through the speeds', ways), &
                     axis('rpm', '1/min', 'speed of the pinion', rpm))
     if (allocated(error)) return
-    allocate (values(rows, 9), words(rows, 2))
-    row = 0
+    allocate (points(table%rows))
     do i = 1, size(relief)
-      do way = 1, 2
-        point = branch(way, i)%point
-        if (way == 2) point = point(n:1:-1)
-        do k = 1, n
-          row = row + 1
-          associate (steady => point(k)%steady)
-            values(row, :7) = no_number()
-            if (has_result(steady%status)) values(row, :7) = &
-              [point(k)%dynamic_factor, point(k)%estimate, steady%state(1), steady%state(2)/period(k), &
-               steady%dte_rms, steady%dte_range, point(k)%dte_estimate]
-            values(row, 8) = steady%multiplier
-            values(row, 9) = steady%periods
-            words(row, 1) = status_name(steady%status)
-            words(row, 2) = contact_name(contact_of(steady))
-          end associate
-        end do
-      end do
+      points(2*n*(i - 1) + 1:2*n*i - n) = branch(1, i)%point
+      points(2*n*i - n + 1:2*n*i) = branch(2, i)%point(n:1:-1)
     end do
-    call table%add('dynamic_factor', '', 'largest load of a pair over the static load', values(:, 1))
-    call table%add('error_estimate', '', 'estimated error of the dynamic factor', values(:, 2))
-    call table%add_words('status', 'how the calculation of the operating point ended', words(:, 1))
-    call table%add_words('contact', 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides '// &
-                         'touched', words(:, 2))
-    call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', values(:, 8))
-    call table%add('mesh_periods', '', 'mesh periods until the motion repeats', nint(values(:, 9)))
-    call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', values(:, 3))
-    call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
-                   'continued from both', values(:, 4))
-    call table%add('dte_rms_um', 'um', of_dte_rms, values(:, 5))
-    call table%add('dte_peak_to_peak_um', 'um', of_dte_range, values(:, 6))
-    call table%add('dte_error_estimate_um', 'um', of_dte_estimate, values(:, 7))
+    associate (steady => points%steady)
+      known = has_result(steady%status)
+      call table%add('dynamic_factor', '', 'largest load of a pair over the static load', &
+                     merge(points%dynamic_factor, no_number(), known))
+      call table%add('error_estimate', '', 'estimated error of the dynamic factor', merge(points%estimate, no_number(), known))
+      call table%add_words('status', 'how the calculation of the operating point ended', words_of(steady%status))
+      call table%add_words('contact', 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides '// &
+                           'touched', contact_name(contact_of(steady)))
+      call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', [steady%multiplier])
+      call table%add('mesh_periods', '', 'mesh periods until the motion repeats', [steady%periods])
+      call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', merge(steady%state(1), no_number(), known))
+      call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
+                     'continued from both', merge(steady%state(2)/table%along(3, period), no_number(), known))
+      call table%add('dte_rms_um', 'um', of_dte_rms, merge(steady%dte_rms, no_number(), known))
+      call table%add('dte_peak_to_peak_um', 'um', of_dte_range, merge(steady%dte_range, no_number(), known))
+      call table%add('dte_error_estimate_um', 'um', of_dte_estimate, merge(points%dte_estimate, no_number(), known))
+    end associate
   end subroutine fill_motions
 
   !> Fills a row for each change, in the order of travel.
@@ -294,42 +295,39 @@ contains
     type(branch_t), intent(in) :: branch(:, :)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: values(:, :)
-    character(word), allocatable :: words(:, :)
-    integer :: rows, row, i, way, k
+    type(change_row_t), allocatable :: rows(:)
+    real(dp), allocatable :: factor(:, :)
+    integer :: i, way, k, n
 
-    rows = sum([((size(branch(way, i)%change), way=1, 2), i=1, size(relief))])
-    call table%begin('speeds at which the motion of a slow run changes, in the order met', rows, error)
+    n = sum([((size(branch(way, i)%change), way=1, 2), i=1, size(relief))])
+    call table%begin('speeds at which the motion of a slow run changes, in the order met', n, error)
     if (allocated(error)) return
-    allocate (values(rows, 8), words(rows, 4))
-    row = 0
+    allocate (rows(n), factor(n, 2))
+    n = 0
     do i = 1, size(relief)
       do way = 1, 2
         do k = 1, size(branch(way, i)%change)
-          row = row + 1
-          associate (change => branch(way, i)%change(k))
-            values(row, :) = [relief(i), real(k, dp), change%rpm, &
-                              merge(change%point%dynamic_factor, no_number(), has_result(change%point%steady%status)), &
-                              real(change%point%steady%periods, dp)]
-            words(row, :) = [character(word) :: ways(way), change_name(change%point), &
-                             status_name(change%point(1)%steady%status), status_name(change%point(2)%steady%status)]
-          end associate
+          n = n + 1
+          rows(n) = change_row_t(relief(i), way, k, branch(way, i)%change(k))
+          factor(n, :) = merge(rows(n)%change%point%dynamic_factor, no_number(), has_result(rows(n)%change%point%steady%status))
         end do
       end do
     end do
-    call table%add_index(axis('relief_um', 'um', 'tip relief, as amount_um of the case', values(:, 1)))
-    call table%add_index(axis('direction', '', 'of the slow run through the speeds', words(:, 1)))
-    call table%add_index(axis('change', '', 'which change of this run', nint(values(:, 2))))
+    call table%add_index(axis('relief_um', 'um', 'tip relief, as amount_um of the case', [rows%relief]))
+    call table%add_index(axis('direction', '', 'of the slow run through the speeds', ways(rows%way)))
+    call table%add_index(axis('change', '', 'which change of this run', [rows%number]))
     call table%add_words('kind', 'doubling or halving of the period, or a jump to another motion; where there is no result '// &
-                         'before or after, the status there', words(:, 2))
-    call table%add('rpm_before', '1/min', 'speed of the pinion just before', values(:, 3))
-    call table%add('rpm_after', '1/min', 'speed of the pinion just after', values(:, 4))
-    call table%add('dynamic_factor_before', '', 'largest load of a pair over the static load, before', values(:, 5))
-    call table%add('dynamic_factor_after', '', 'largest load of a pair over the static load, after', values(:, 6))
-    call table%add_words('status_before', 'status of the motion before', words(:, 3))
-    call table%add_words('status_after', 'status of the motion after', words(:, 4))
-    call table%add('mesh_periods_before', '', 'mesh periods until the motion repeats, before', nint(values(:, 7)))
-    call table%add('mesh_periods_after', '', 'mesh periods until the motion repeats, after', nint(values(:, 8)))
+                         'before or after, the status there', [(change_name(rows(i)%change%point), i=1, n)])
+    associate (before => rows%change%point(1)%steady, after => rows%change%point(2)%steady)
+      call table%add('rpm_before', '1/min', 'speed of the pinion just before', [rows%change%rpm(1)])
+      call table%add('rpm_after', '1/min', 'speed of the pinion just after', [rows%change%rpm(2)])
+      call table%add('dynamic_factor_before', '', 'largest load of a pair over the static load, before', factor(:, 1))
+      call table%add('dynamic_factor_after', '', 'largest load of a pair over the static load, after', factor(:, 2))
+      call table%add_words('status_before', 'status of the motion before', words_of(before%status))
+      call table%add_words('status_after', 'status of the motion after', words_of(after%status))
+      call table%add('mesh_periods_before', '', 'mesh periods until the motion repeats, before', [before%periods])
+      call table%add('mesh_periods_after', '', 'mesh periods until the motion repeats, after', [after%periods])
+    end associate
   end subroutine fill_changes
 
   !> Word for the change.
@@ -351,8 +349,6 @@ contains
   pure subroutine add_report(self, lines)
     class(hysteresis_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer, parameter :: most = 20
-    integer :: i
 
     associate (rpm => self%tables(self%place('hysteresis'))%numbers('rpm'), &
                changes => self%tables(self%place('hysteresis_changes')))
