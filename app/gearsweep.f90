@@ -71,8 +71,11 @@ program gearsweep_program
 contains
 
   subroutine show_answer()
+    character(:), allocatable :: text
+
+    call write_report(study, text)
     call print_line('gearsweep '//version)
-    call print_out(report(study))
+    call print_out(text)
     call print_line('Time               '//str(real(ended - began, dp)/rate, 3)//' s')
     if (arguments%verbose) call print_out(lf//study%log)
     call show_files()

@@ -31,7 +31,7 @@ module gearsweep_elastic
   ! A loaded tooth of a section in its modes.
   use gearsweep_elastic_tooth_modes, only: along, find_tooth_modes, moved_x, moved_y, per_point, tooth_modes_t
   ! Grids and fields for ParaView and similar programs (VTK's unstructured XML format), as text.
-  use gearsweep_elastic_vtu, only: vtu_field_t, vtu_start, vtu_text, write_vtu
+  use gearsweep_elastic_vtu, only: vtu_field_t, vtu_start, write_vtu
   implicit none
   public
 end module gearsweep_elastic

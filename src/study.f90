@@ -26,7 +26,7 @@ module gearsweep_study
   ! Reads the values of a namelist entry as numbers, words and texts, with one clear error.
   use gearsweep_study_reader_values, only: shortest_digits
   ! Report for the screen.
-  use gearsweep_study_results_report, only: failed_points, report, write_report
+  use gearsweep_study_results_report, only: failed_points, write_report
   ! Results of the tasks of a study, by the names of tables and columns.
   use gearsweep_study_results_results, only: column_of, get_result, published_table
   ! Variation of a case by its numbers.

@@ -11,7 +11,7 @@ module gearsweep_body_modes_sector
     tooth_block_t
   implicit none
   private
-  public :: brick_matrices, gear_blank_t, sector_t, make_gear_sector, make_ring_sector
+  public :: brick_matrices, gear_blank_t, sector_t, make_gear_sector, extrude
 
   integer, parameter, public :: brick_nodes = 20
 
@@ -192,33 +192,6 @@ contains
     sector%sectors = gear%spec%teeth
     call extrude(sector, level, layers)
   end subroutine make_gear_sector
-
-  !> Builds the sector of a ring without teeth, `radii(2)` and width in m: `counts` columns around, rows across and layers up to the
-  !> face.
-  subroutine make_ring_sector(radii, width, sectors, counts, sector, error)
-    real(dp), intent(in) :: radii(2), width
-    integer, intent(in) :: sectors, counts(3)
-    type(sector_t), intent(out) :: sector
-    type(error_t), allocatable, intent(inout) :: error
-    type(error_t), allocatable :: folded
-    real(dp) :: points(2, 0:2*counts(1), 0:2*counts(2)), level(0:2*counts(3)), radius, angle
-    integer :: part(counts(1), counts(2)), i, j
-
-    do j = 0, 2*counts(2)
-      radius = radii(1) + (radii(2) - radii(1))*j/(2*counts(2))
-      do i = 0, 2*counts(1)
-        angle = pi/sectors*(i/real(counts(1), dp) - 1)
-        points(:, i, j) = radius*[sin(angle), cos(angle)]
-      end do
-    end do
-    part = 0
-    call make_grid(points, part, .false., sector%plane, folded)
-    if (allocated(folded)) call move_alloc(folded, error)
-    if (allocated(error)) return
-    level = [(width/2*i/(2*counts(3)), i=0, 2*counts(3))]
-    sector%sectors = sectors
-    call extrude(sector, level, spread(counts(3), 1, size(sector%plane%element, 2)))
-  end subroutine make_ring_sector
 
   subroutine check_blank(gear, blank, error)
     type(gear_t), intent(in) :: gear

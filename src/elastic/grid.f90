@@ -8,7 +8,7 @@ module gearsweep_elastic_grid
   use gearsweep_elastic_q8, only: gauss_place, gauss_weight, jacobian, nodes_per_element, shape_functions
   implicit none
   private
-  public :: grid_t, make_grid, rectangle_grid
+  public :: grid_t, make_grid
 
   integer, parameter, public :: no_element = -1
 
@@ -109,28 +109,6 @@ contains
       end do
     end function occupied
   end subroutine number_nodes
-
-  !> Builds the grid of a straight-sided quadrilateral body, in metres, corners anticlockwise (2, 4), with equal steps along its
-  !> sides and no rim or teeth.
-  subroutine rectangle_grid(corners, columns, rows, grid, error)
-    real(dp), intent(in) :: corners(2, 4)
-    integer, intent(in) :: columns, rows
-    type(grid_t), intent(out) :: grid
-    type(error_t), allocatable, intent(out) :: error
-    real(dp) :: points(2, 0:2*columns, 0:2*rows), u, v
-    integer :: part(columns, rows), i, j
-
-    do j = 0, 2*rows
-      do i = 0, 2*columns
-        u = real(i, dp)/(2*columns)
-        v = real(j, dp)/(2*rows)
-        points(:, i, j) = (1 - u)*(1 - v)*corners(:, 1) + u*(1 - v)*corners(:, 2) &
-                          + u*v*corners(:, 3) + (1 - u)*v*corners(:, 4)
-      end do
-    end do
-    part = 0
-    call make_grid(points, part, .false., grid, error)
-  end subroutine rectangle_grid
 
   !> Nodes on lattice line `i` (0 to twice the columns), in ascending rows.
   pure function column_nodes(grid, i) result(list)

@@ -4,7 +4,7 @@ module gearsweep_elastic_vtu
   use gearsweep_elastic_grid, only: grid_t
   implicit none
   private
-  public :: vtu_field_t, vtu_text, write_vtu
+  public :: vtu_field_t, write_vtu
 
   !> Values at the nodes: one component, or two for vectors (components, nodes).
   type :: vtu_field_t
@@ -18,16 +18,7 @@ module gearsweep_elastic_vtu
 
 contains
 
-  !> Text of the grid with its fields; lengths in m, cells have the number of their tooth.
-  pure function vtu_text(grid, fields) result(text)
-    type(grid_t), intent(in) :: grid
-    type(vtu_field_t), intent(in) :: fields(:)
-    character(:), allocatable :: text
-
-    call write_vtu(grid, fields, text)
-  end function vtu_text
-
-  !> Writes the text; several threads may call it at once.
+  !> Writes the grid with its fields as text; lengths in m, cells have the number of their tooth.
   pure subroutine write_vtu(grid, fields, text)
     type(grid_t), intent(in) :: grid
     type(vtu_field_t), intent(in) :: fields(:)

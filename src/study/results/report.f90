@@ -7,19 +7,11 @@ module gearsweep_study_results_report
   use gearsweep_study_run_study, only: study_t
   implicit none
   private
-  public :: report, write_report, failed_points
+  public :: write_report, failed_points
 
 contains
 
-  !> Report as text, the same in every run apart from the rounded run times of the task `precision`.
-  pure function report(study) result(text)
-    type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-
-    call write_report(study, text)
-  end function report
-
-  !> Writes the report, for several callers at once.
+  !> Writes the report as text, the same in every run apart from the rounded run times of the task `precision`.
   pure subroutine write_report(study, text)
     type(study_t), intent(in) :: study
     character(:), allocatable, intent(out) :: text

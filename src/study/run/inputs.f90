@@ -12,7 +12,7 @@ module gearsweep_study_run_inputs
   use gearsweep_motion, only: steady_choice_t, step_choice_t
   implicit none
   private
-  public :: elements_inputs_t, body_inputs_t, solid_inputs_t, unit_inputs_t, relief_inputs_t, motion_inputs_t
+  public :: elements_inputs_t, body_inputs_t, unit_inputs_t, relief_inputs_t, motion_inputs_t
   public :: motions_inputs_t, choice_t, same, same_but_amounts
 
   !> Inputs of the pair stiffness by finite elements, with its disc.
@@ -23,19 +23,13 @@ module gearsweep_study_run_inputs
     real(dp) :: line_load = 0                    !< line load, N/m
   end type elements_inputs_t
 
-  !> Inputs of one gear's section: its two grids and their factored bodies.
+  !> Inputs of one gear's section, its two grids and their factored bodies; or of its body in three dimensions.
   type :: body_inputs_t
     type(gear_t) :: gear
     type(material_t) :: material
-    type(section_options_t) :: options
+    type(section_options_t) :: options = section_options_t()  !< of the section
+    real(dp) :: web = 0, rim = 0                 !< thicknesses of the body, m; 0: a solid disc
   end type body_inputs_t
-
-  !> Inputs of one gear's body in three dimensions.
-  type :: solid_inputs_t
-    type(gear_t) :: gear
-    type(material_t) :: material
-    real(dp) :: web = 0, rim = 0                 !< thicknesses, m; 0: a solid disc
-  end type solid_inputs_t
 
   !> Inputs of the root stress under unit loads.
   type :: unit_inputs_t
@@ -86,7 +80,7 @@ module gearsweep_study_run_inputs
   end type choice_t
 
   interface same
-    module procedure same_elements, same_bodies, same_solids, same_units, same_choices, same_list, same_number
+    module procedure same_elements, same_bodies, same_units, same_choices, same_list, same_number
   end interface same
 
   !> Format of every component: numbers with all their digits.
@@ -117,17 +111,6 @@ contains
     write (words(2), written) b
     same = words(1) == words(2)
   end function same_bodies
-
-  pure logical function same_solids(a, b) result(same)
-    type(solid_inputs_t), intent(in) :: a, b
-    character(storage_size(a)) :: words(2)
-
-    same = all(transfer(a, bytes) == transfer(b, bytes))
-    if (same) return
-    write (words(1), written) a
-    write (words(2), written) b
-    same = words(1) == words(2)
-  end function same_solids
 
   pure logical function same_units(a, b) result(same)
     type(unit_inputs_t), intent(in) :: a, b

@@ -11,7 +11,7 @@ module gearsweep_study_run_stages
   use gearsweep_study_case_case, only: case_t
   use gearsweep_study_case_published, only: published_t
   use gearsweep_study_case_task, only: stage, task_slot_t, task_t
-  use gearsweep_study_run_inputs, only: body_inputs_t, elements_inputs_t, motions_inputs_t, solid_inputs_t
+  use gearsweep_study_run_inputs, only: body_inputs_t, elements_inputs_t, motions_inputs_t
   implicit none
   private
   public :: runnable_t, running_t, stages_t, points_of, study_t
@@ -41,7 +41,7 @@ module gearsweep_study_run_stages
     type(iso_options_t) :: iso                   !< application factor and gear bodies for ISO 6336-1
     integer :: gear = 1                        !< gear whose section is analysed: 1 pinion, 2 gear
     type(body_inputs_t) :: body_inputs           !< inputs of its section
-    type(solid_inputs_t) :: solid_inputs         !< inputs of its body in three dimensions
+    type(body_inputs_t) :: solid_inputs          !< inputs of its body in three dimensions
     type(elements_inputs_t), allocatable :: elements_inputs  !< inputs of the pair stiffness, if it is by finite elements
     type(teeth_t) :: teeth                       !< teeth by finite elements: those of this pair, and some of earlier studies
     type(mesh_t), allocatable :: mesh            !< mesh without relief

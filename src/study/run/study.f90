@@ -9,7 +9,7 @@ module gearsweep_study_run_study
   use gearsweep_study_case_published, only: read_published
   use gearsweep_study_case_task, only: stage, task_info_t, task_slot_t
   use gearsweep_study_run_files, only: path_in, read_text
-  use gearsweep_study_run_inputs, only: body_inputs_t, choice_t, same, same_but_amounts, solid_inputs_t
+  use gearsweep_study_run_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
   use gearsweep_study_run_mesh_stage, only: build_pair, mesh_and_motion
   use gearsweep_study_run_stages, only: points_of, runnable_t, study_t
   implicit none
@@ -86,8 +86,8 @@ contains
         call build_pair(case, study%pair, error)
         if (allocated(error)) return
         study%body_inputs = body_inputs_t(study%pair%gear(case%gear), case%material(case%gear), case%section)
-        study%solid_inputs = solid_inputs_t(study%pair%gear(case%gear), case%material(case%gear), &
-                                            case%iso%web_thickness(case%gear), case%iso%rim_thickness(case%gear))
+        study%solid_inputs = body_inputs_t(study%pair%gear(case%gear), case%material(case%gear), &
+                                           web=case%iso%web_thickness(case%gear), rim=case%iso%rim_thickness(case%gear))
       end if
       call read_files(study, folder, error)
       if (allocated(error)) return

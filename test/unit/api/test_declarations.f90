@@ -4,7 +4,7 @@ module test_declarations
   use gearsweep_study_case_case, only: case_t
   use gearsweep_api_case_reader, only: list_keys, read_case
   use gearsweep_api_describe, only: describe
-  use gearsweep_api_help, only: help_on, write_key_table
+  use gearsweep_api_help, only: help_on
   use gearsweep_base_error, only: code_input, error_t, fail
   use gearsweep_study_run_files, only: read_text
   use gearsweep_study_case_key_names, only: gear_key_names, key_names, name_key
@@ -17,6 +17,7 @@ module test_declarations
   use gearsweep_base_text, only: to_number
   use gearsweep_study_reader_unit_slips, only: find_slip
   use gearsweep_base_units, only: in_si, is_unit
+  use test_support_key_tables, only: write_key_table
   use test_support_testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
   implicit none
   private

@@ -2,12 +2,13 @@
 !> what makes a spline; a picture's file read back.
 module test_piecewise
   use gearsweep_base_error, only: error_t
-  use gearsweep_elastic_grid, only: grid_t, rectangle_grid
+  use gearsweep_elastic_grid, only: grid_t
   use gearsweep_base_kinds, only: dp
   use gearsweep_base_piecewise, only: piecewise_t, polynomial, spline
   use gearsweep_base_text, only: str
-  use gearsweep_elastic_vtu, only: vtu_field_t, vtu_text
+  use gearsweep_elastic_vtu, only: vtu_field_t, write_vtu
   use test_support_random_numbers, only: random_t
+  use test_support_plain_grids, only: rectangle_grid
   use test_support_testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
   private
@@ -156,7 +157,7 @@ contains
     fields(1)%values = -1.25_dp*grid%x
     fields(2)%name = 'stress'
     fields(2)%values = grid%x(1:1, :)**2
-    text = vtu_text(grid, fields)
+    call write_vtu(grid, fields, text)
     call check_true(t, 'numbers of points and cells', index(text, 'NumberOfPoints="'//str(nodes)//'" NumberOfCells="'// &
                     str(elements)//'"') > 0)
     allocate (points(3, nodes), cells(8, elements), list(elements), numbers(nodes))

@@ -8,10 +8,11 @@ module test_body_modes
   use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_elastic_material, only: material_t
-  use gearsweep_body_modes_sector, only: gear_blank_t, make_gear_sector, make_ring_sector, sector_t
+  use gearsweep_body_modes_sector, only: gear_blank_t, make_gear_sector, sector_t
   use gearsweep_body_modes_sector_modes, only: antisymmetric, axial, find_sector_modes, radial, rigid_motions, sector_mode_t, &
             support_t, symmetric, tangential
   use gearsweep_base_text, only: str
+  use test_support_plain_grids, only: make_ring_sector
   use test_support_testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
   use test_support_whole_bodies, only: whole_frequencies
   implicit none

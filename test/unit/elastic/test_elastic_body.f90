@@ -4,13 +4,14 @@ module test_elastic_body
   use gearsweep_elastic_body, only: body_t, make_body
   use gearsweep_base_error, only: error_t
   use gearsweep_gear_gear, only: coast, drive, gear_spec_t, gear_t, make_gear
-  use gearsweep_elastic_grid, only: grid_t, make_grid, rectangle_grid
+  use gearsweep_elastic_grid, only: grid_t, make_grid
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_elastic_material, only: material_t
   use gearsweep_gear_profile, only: root_angle
   use gearsweep_elastic_section, only: make_section, section_options_t, section_t
   use gearsweep_elastic_stress, only: nodal_stress
   use gearsweep_base_text, only: str
+  use test_support_plain_grids, only: rectangle_grid
   use test_support_testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private

@@ -3,7 +3,7 @@ module test_elastic_modes
   use gearsweep_elastic_body, only: body_t, make_body
   use gearsweep_base_error, only: error_t
   use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
-  use gearsweep_elastic_grid, only: grid_t, rectangle_grid
+  use gearsweep_elastic_grid, only: grid_t
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_elastic_modes, only: assemble_mass, estimated_errors, find_modes, mass_matrix_t, modal_t, modes_t, section_modes
   use gearsweep_elastic_material, only: material_t
@@ -13,6 +13,7 @@ module test_elastic_modes
   use gearsweep_elastic_tooth_block, only: fillet_excess
   use test_support_gears, only: hassan_gear, hassan_options
   use test_properties_random_bodies, only: random_body_t, random_body
+  use test_support_plain_grids, only: rectangle_grid
   use test_support_testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private

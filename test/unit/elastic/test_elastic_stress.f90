@@ -11,7 +11,7 @@ module test_elastic_stress
   use gearsweep_elastic_section, only: make_section, make_two_grids, section_body_t, section_options_t, section_t
   use gearsweep_elastic_stress, only: root_stress, root_stress_t
   use gearsweep_base_text, only: str
-  use gearsweep_elastic_vtu, only: vtu_field_t, vtu_text
+  use gearsweep_elastic_vtu, only: vtu_field_t, write_vtu
   use test_support_gears, only: hassan_gear, hassan_options, hassan_pair
   use test_properties_random_bodies, only: random_body, random_body_t
   use test_support_testing, only: tally_t, check_true, check_close, check_error, check_no_error
@@ -200,7 +200,7 @@ contains
 
     call make_section(hassan_gear(30), section_options_t(teeth=1, elements_across=3), section, error)
     position(1) = vtu_field_t('position', section%grid%x)
-    text = vtu_text(section%grid, position)
+    call write_vtu(section%grid, position, text)
     call check_true(t, 'VTK file', index(text, '<VTKFile') == 1 .and. index(text, '</VTKFile>') > 0)
     call check_true(t, 'a line for each node, twice', &
                     count([(text(i:i) == new_line('a'), i=1, len(text))]) > 2*size(section%grid%x, 2))

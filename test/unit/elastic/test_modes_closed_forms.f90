@@ -4,12 +4,13 @@ module test_modes_closed_forms
   use gearsweep_gear_profile, only: gear_outline
   use gearsweep_base_error, only: error_t
   use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
-  use gearsweep_elastic_grid, only: grid_t, rectangle_grid
+  use gearsweep_elastic_grid, only: grid_t
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_base_text, only: str
   use test_support_ask_by_name, only: answer_t, ask, elements_of
   use test_support_random_numbers, only: random_t
   use test_support_gears, only: stated_t, examples, text_of, degree
+  use test_support_plain_grids, only: rectangle_grid
   use test_support_testing, only: tally_t, check_true, check_close, check_equal
   implicit none
   private

@@ -4,7 +4,7 @@ module test_stress_closed_forms
   use gearsweep_gear_profile, only: tooth_outline
   use gearsweep_base_error, only: error_t
   use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
-  use gearsweep_elastic_grid, only: grid_t, rectangle_grid
+  use gearsweep_elastic_grid, only: grid_t
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_elastic_material, only: material_t
   use gearsweep_elastic_stress, only: nodal_stress
@@ -12,6 +12,7 @@ module test_stress_closed_forms
   use test_support_ask_by_name, only: answer_t, ask
   use test_support_gears, only: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, &
     & base_pitch, contact_ratio, half_tooth, degree, drive, coast
+  use test_support_plain_grids, only: rectangle_grid
   use test_support_testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
   private

@@ -2,7 +2,7 @@
 !> torque by itself, with a list of reliefs.
 module test_torques
   use gearsweep_base_kinds, only: dp
-  use gearsweep_study_results_report, only: report
+  use gearsweep_study_results_report, only: write_report
   use gearsweep_base_text, only: str
   use test_support_ask_by_name, only: answer_t, ask, refusal
   use test_support_testing, only: check_close, check_true, tally_t
@@ -172,12 +172,12 @@ contains
     character(:), allocatable :: text
 
     call ask(t, '&case tasks = ''optimum'' / '//plain//'&load torques_nm = 150, 300 / &optimum each_gear = .true. /', answer)
-    text = report(answer%study)
+    call write_report(answer%study, text)
     call check_true(t, 'one', index(text, 'Best ') > 0 .and. index(text, 'Best ') == index(text, 'Best ', back=.true.))
     call check_true(t, 'by what', index(text, 'judged by the largest dynamic factor over the speeds, worst over torques '// &
                                           '150, 300 N m') > 0)
     call ask(t, '&case tasks = ''optimum'' / '//plain//'&load torque_nm = 150 / &optimum judged = ''ste_peak_to_peak'' /', answer)
-    text = report(answer%study)
+    call write_report(answer%study, text)
     call check_true(t, 'under one torque', index(text, 'static transmission error, under 150 N m') > 0)
   end subroutine one_answer
 
