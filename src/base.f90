@@ -42,7 +42,7 @@ module gearsweep_base
     write_csv
   ! Text helpers for messages, tables and readers, and names of characters that cannot be seen.
   use gearsweep_base_text, only: closest_word, find_control, find_odd, first_control, fixed, join, lower, shown, split, str, &
-    to_number, utf8, visible
+    to_number, utf8, visible, with_blanks
   ! The lines of a text, and the reader of all tables.
   use gearsweep_base_text_rows, only: find_rows, rows_t
   ! The units of keys and columns.

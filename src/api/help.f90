@@ -1,6 +1,6 @@
 !> Describes tasks, groups and keys as text, from the declarations of the keys: the help.
 module gearsweep_api_help
-  use gearsweep_base, only: closest_word, code_input, error_t, fail, join, lines_t, lower, shown
+  use gearsweep_base, only: closest_word, code_input, error_t, fail, join, lines_t, lower, shown, with_blanks
   use gearsweep_study, only: key_t, keys_t, name_length, task_info_t, task_length, task_slot_t
   use gearsweep_api_case_reader, only: list_keys
   use gearsweep_api_tasks, only: list_tasks
@@ -58,7 +58,13 @@ contains
       if (.not. allocated(unknown)) call add_key_help(keys%key(at), lines)
     else
       do i = 1, size(slots)
-        if (slots(i)%info%name == name) call add_task_help(slots(i)%info, lines)
+        associate (task => slots(i)%info)
+          if (task%name /= name) cycle
+          call lines%add('task '//trim(task%name))
+          call lines%add_wrapped(task%summary//'.', '  ')
+          call lines%add('  tables    '//trim(task%tables//' '//task%fields))
+          call lines%add('')
+        end associate
       end do
       do i = 1, size(keys%groups)
         if (keys%groups(i)%name == name) then
@@ -180,17 +186,6 @@ contains
     end do
   end function has_words
 
-  !> Replaces each underscore by a blank.
-  pure function with_blanks(text) result(other)
-    character(*), intent(in) :: text
-    character(len(text)) :: other
-    integer :: k
-
-    do k = 1, len(text)
-      other(k:k) = merge(' ', text(k:k), text(k:k) == '_')
-    end do
-  end function with_blanks
-
   !> Removes each underscore; blanks are added at the end.
   pure function without_underscores(text) result(other)
     character(*), intent(in) :: text
@@ -250,16 +245,6 @@ contains
     if (closest > 0) why = ' (did you mean &'//trim(names(closest))//'?)'
     call fail(error, code_input, '&'//trim(group)//': unknown group'//why//'; the groups are '//join(names, ', '))
   end subroutine find_key
-
-  subroutine add_task_help(task, lines)
-    type(task_info_t), intent(in) :: task
-    type(lines_t), intent(inout) :: lines
-
-    call lines%add('task '//trim(task%name))
-    call lines%add_wrapped(task%summary//'.', '  ')
-    call lines%add('  tables    '//trim(task%tables//' '//task%fields))
-    call lines%add('')
-  end subroutine add_task_help
 
   subroutine add_key_help(key, lines)
     type(key_t), intent(in) :: key

@@ -12,7 +12,7 @@ module gearsweep_as_built_deviation_keys
   type :: flank_file_t
     character(:), allocatable :: name            !< not allocated: no file
     character(:), allocatable :: flank           !< flanks of the file to use, `left` or `right`
-    real(dp) :: rest = 0                         !< root mean square of the residuals of its points after the polynomial fit, m
+    real(dp) :: residual = 0                     !< root mean square of the residuals of its points after the polynomial fit, m
   end type flank_file_t
 
   type :: deviations_choice_t

@@ -130,7 +130,7 @@ contains
       k = k + 1
       associate (file => self%files(k), choice => self%deviations%files(i), flanks => self%deviations%flanks(i))
         call read_flank_points(file%path, file%text, stages%pair%gear(i)%spec%teeth, choice%flank, points, error)
-        if (.not. allocated(error)) call fit_flanks(file%path, points, stages%pair, i, flanks%measured, choice%rest, error)
+        if (.not. allocated(error)) call fit_flanks(file%path, points, stages%pair, i, flanks%measured, choice%residual, error)
       end associate
       if (allocated(error)) return
     end do
@@ -218,7 +218,7 @@ contains
                str(followed(1)%mesh%deviations%periods)//' mesh periods each'
     do i = 1, 2
       if (allocated(self%deviations%files(i)%name)) self%log = self%log//'; the polynomials leave '// &
-        str(1e6_dp*self%deviations%files(i)%rest, 3)//' um (root mean square) of '//trim(gear_names(i))//'_flanks_file'
+        str(1e6_dp*self%deviations%files(i)%residual, 3)//' um (root mean square) of '//trim(gear_names(i))//'_flanks_file'
     end do
   end subroutine run
 

@@ -17,7 +17,7 @@ module gearsweep_base_table
   use gearsweep_base_kinds, only: dp
   use gearsweep_base_lines, only: left, lines_t, right
   use gearsweep_base_memory, only: claim_memory
-  use gearsweep_base_text, only: fixed, lower, str
+  use gearsweep_base_text, only: fixed, lower, str, with_blanks
   use gearsweep_base_text_rows, only: find_lines, row_t
   use gearsweep_base_units, only: in_unit, is_unit
   use gearsweep_base_version, only: version
@@ -411,10 +411,7 @@ contains
     character(9) :: suffix
     integer :: i
 
-    heading = column%name
-    do i = 1, len_trim(heading)
-      if (heading(i:i) == '_') heading(i:i) = ' '
-    end do
+    heading = with_blanks(column%name)
     ! Names end in their units: relief_um, pinion_mean_nm.
     suffix = lower(column%unit)
     if (suffix == 'n m') suffix = 'nm'

@@ -8,7 +8,8 @@ module gearsweep_base_text
   use gearsweep_base_kinds, only: dp
   implicit none
   private
-  public :: str, fixed, lower, join, split, shown, closest_word, to_number, first_control, find_control, find_odd, utf8, visible
+  public :: str, fixed, lower, join, split, shown, closest_word, to_number, first_control, find_control, find_odd, utf8, visible, &
+            with_blanks
 
   !> Shortest sensible text of a number or logical: `3.18`, `1600`, `1.2e-7`, `true`.
   interface str
@@ -169,6 +170,17 @@ contains
       end select
     end do
   end function lower
+
+  !> Replaces each underscore by a blank.
+  pure function with_blanks(text) result(other)
+    character(*), intent(in) :: text
+    character(len(text)) :: other
+    integer :: k
+
+    do k = 1, len(text)
+      other(k:k) = merge(' ', text(k:k), text(k:k) == '_')
+    end do
+  end function with_blanks
 
   pure integer function joined_length(words, separator) result(length)
     character(*), intent(in) :: words(:), separator

@@ -65,7 +65,7 @@ contains
     real(dp), allocatable :: points(:, :, :), radius(:), x(:, :), u(:, :), share(:, :)
     integer, allocatable :: part(:, :)
     logical, allocatable :: held(:)
-    real(dp) :: nearest
+    real(dp) :: nearest, skew
     integer :: columns, cells, i, j, d
 
     edge%mate = material(2)
@@ -96,7 +96,9 @@ contains
     if (allocated(error)) return
     allocate (x(body%unknowns, 2*cells + 2), share(3, cells))
     do i = 1, cells
-      share(:, i) = even_traction(radius(2*i - 1:2*i + 1))
+      ! Weights of the nodes of a quadratic edge in the mean over its length.
+      skew = (radius(2*i - 1) + radius(2*i + 1) - 2*radius(2*i))/(3*(radius(2*i + 1) - radius(2*i - 1)))
+      share(:, i) = [1/6.0_dp - skew, 2/3.0_dp, 1/6.0_dp + skew]
       do d = 1, 2
         x(:, 2*(i - 1) + d) = body%gather(on_face(2*(i - 1), share(:, i), d))
       end do
@@ -131,15 +133,6 @@ contains
       force(direction, edge%grid%node(line:line + 2, 2*rows)) = weights
     end function on_face
   end subroutine make_edge
-
-  !> Weights of the nodes of a quadratic edge, at `x` (m), in the mean over its length.
-  pure function even_traction(x) result(weights)
-    real(dp), intent(in) :: x(3)
-    real(dp) :: weights(3), skew
-
-    skew = (x(1) + x(3) - 2*x(2))/(3*(x(3) - x(1)))
-    weights = [1/6.0_dp - skew, 2/3.0_dp, 1/6.0_dp + skew]
-  end function even_traction
 
   !> Computes the compliance (m2/N) of edge and mate in contact under `line_load` (N/m): their approach over the load, minus the
   !> displacement of the tooth at its depth by a point load on the edge (twice that minus the one at twice the depth), and minus

@@ -24,6 +24,7 @@ contains
     type(vtu_field_t), intent(in) :: fields(:)
     character(:), allocatable, intent(out) :: text
     type(lines_t) :: lines
+    character(12*8) :: row
     integer :: i
 
     call lines%add(vtu_start//' version="0.1" byte_order="LittleEndian"><UnstructuredGrid>')
@@ -34,7 +35,8 @@ contains
     call lines%add('</DataArray></Points>')
     call lines%add('<Cells><DataArray type="Int32" Name="connectivity" format="ascii">')
     do i = 1, size(grid%element, 2)
-      call add_row(lines, grid%element(:, i) - 1)
+      write (row, '(*(i0, 1x))') grid%element(:, i) - 1
+      call lines%add(trim(row))
     end do
     call lines%add('</DataArray><DataArray type="Int32" Name="offsets" format="ascii">')
     do i = 1, size(grid%element, 2)
@@ -75,13 +77,4 @@ contains
       call lines%add(trim(merge('0', ' ', size(values, 1) == 2)))
     end do
   end subroutine add_vectors
-
-  pure subroutine add_row(lines, numbers)
-    type(lines_t), intent(inout) :: lines
-    integer, intent(in) :: numbers(:)
-    character(12*size(numbers)) :: row
-
-    write (row, '(*(i0, 1x))') numbers
-    call lines%add(trim(row))
-  end subroutine add_row
 end module gearsweep_elastic_vtu

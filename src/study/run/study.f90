@@ -157,7 +157,11 @@ contains
       associate (slot => study%tasks(i))
         if (.not. (slot%is_requested .or. (slot%info%is_always .and. allocated(study%pair)))) cycle
         if (slot%needs(stage%body) .or. slot%needs(stage%solid) .or. slot%needs(stage%motion)) then
-          if (ends_here(study, slot%info)) cycle
+          if (wants_stop(study%accuracy%steady%stop)) then
+            call study%running%note(trim(slot%info%name)//' left out: the run was interrupted')
+            study%stopped = .true.
+            cycle
+          end if
         end if
       end associate
       call run_task(study, i, error, earlier)
@@ -283,14 +287,4 @@ contains
     deallocate (slot%task)
     allocate (slot%task, source=before%task)
   end subroutine take_over
-
-  !> True if the caller ended the run; the log then lists the missing results.
-  logical function ends_here(study, task)
-    type(study_t), intent(inout) :: study
-    type(task_info_t), intent(in) :: task
-
-    ends_here = wants_stop(study%accuracy%steady%stop)
-    if (ends_here) call study%running%note(trim(task%name)//' left out: the run was interrupted')
-    study%stopped = study%stopped .or. ends_here
-  end function ends_here
 end module gearsweep_study_run_study

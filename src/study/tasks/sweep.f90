@@ -22,6 +22,9 @@ module gearsweep_study_tasks_sweep
     procedure :: run, add_report
   end type sweep_task_t
 
+  !> Names of the directions in which a motion was found, as in `sweep_t`.
+  character(4), parameter :: direction_names(-1:1) = [character(4) :: 'down', 'both', 'up']
+
 contains
 
   pure subroutine describe(info)
@@ -118,7 +121,7 @@ contains
     call add_seen([sweep%seen_factor], [sweep%seen_dte_rms], [sweep%seen_dte_range], [sweep%seen_periods], table)
     if (stages%direction == both) then
       call table%add_words('direction', 'with direction both: in which the motion of this row was met: up, down or both', &
-                           direction_name([sweep%direction]))
+                           direction_names([sweep%direction]))
       call table%add('other_dynamic_factor', '', 'with direction both: DF of the motion met in the other direction, the same '// &
                      'where both meet one; NaN where it has no answer', [sweep%other_factor])
       call table%add_words('other_status', 'with direction both: status of the motion met in the other direction', &
@@ -253,15 +256,6 @@ contains
       if (of_way(2)%dynamic_factor < worst%dynamic_factor) worst = of_way(2)
     end if
   end function smaller_worst
-
-  !> Name of the direction in which a motion was found.
-  elemental function direction_name(direction) result(name)
-    integer, intent(in) :: direction             !< direction, as in `sweep_t`
-    character(4) :: name
-    character(4), parameter :: names(-1:1) = [character(4) :: 'down', 'both', 'up']
-
-    name = names(direction)
-  end function direction_name
 
   !> Largest value within 15 % of peak number `k`, at most half-way to its neighbours.
   pure type(peak_t) function worst_near(rpm, dynamic_factor, resonance, k) result(worst)

@@ -4,11 +4,11 @@ const banner = () => document.getElementById('lost');
 let isLost = false;
 let whenBack = () => {};
 
-/** A call failed; `told` has the server's message, and the group and key that it names. */
+/** A call failed; `error` has the server's message, and the group and key that it names. */
 export class Failure extends Error {
-  constructor(told) {
-    super(told.message);
-    this.told = told;
+  constructor(error) {
+    super(error.message);
+    this.error = error;
   }
 }
 
@@ -47,7 +47,7 @@ export async function call(name, asked = {}) {
   return words;
 }
 
-/** A run; `progress` is told the points that are done, and of how many. */
+/** A run; `progress` gets the numbers of finished and of all points. */
 export async function run(asked, progress) {
   const reader = (await post('run', asked)).body.getReader();
   const decoder = new TextDecoder();

@@ -59,8 +59,8 @@ async function beginTask(task, error) {
 let unsent = null;
 function typed(...all) {
   change(...all).then(() => { unsent = null; }, (failure) => {
-    if (failure.told?.code === 'LOST') unsent = all;
-    told(failure);
+    if (failure.error?.code === 'LOST') unsent = all;
+    showError(failure);
   });
 }
 
@@ -72,7 +72,7 @@ async function slide(group, key, value) {
   if (isBusy) return;
   while (sliding) {
     const now = sliding, began = performance.now();
-    await change(now.group, now.key, now.value, true).catch(told);
+    await change(now.group, now.key, now.value, true).catch(showError);
     performance.measure('redraw', { start: began, end: performance.now() });
     if (sliding === now) sliding = null;
   }
@@ -146,18 +146,18 @@ function showState() {
   byId('results').classList.toggle('stale', state.isStale);
 }
 
-function told(failure) {
-  if (!failure.told) throw failure;
-  if (failure.told.code !== 'LOST') state.error = failure.told;
+function showError(failure) {
+  if (!failure.error) throw failure;
+  if (failure.error.code !== 'LOST') state.error = failure.error;
   form.showError(state.error);
   showState();
 }
 
 function buttons() {
-  byId('inputs').addEventListener('submit', (event) => { event.preventDefault(); work.calculate().catch(told); });
-  byId('cancel').addEventListener('click', () => work.cancel().catch(told));
-  byId('undo').addEventListener('click', () => undo(state.past, state.future).catch(told));
-  byId('redo').addEventListener('click', () => undo(state.future, state.past).catch(told));
+  byId('inputs').addEventListener('submit', (event) => { event.preventDefault(); work.calculate().catch(showError); });
+  byId('cancel').addEventListener('click', () => work.cancel().catch(showError));
+  byId('undo').addEventListener('click', () => undo(state.past, state.future).catch(showError));
+  byId('redo').addEventListener('click', () => undo(state.future, state.past).catch(showError));
   byId('save').addEventListener('click', save);
   byId('new').addEventListener('click', () => openText(NEW, 'new'));
   byId('open').addEventListener('click', () => byId('file').click());
@@ -168,13 +168,13 @@ function buttons() {
   });
   byId('cases').addEventListener('change', async (event) => {
     const [place, name] = event.target.value.split('/');
-    await call('open', { place, name }).then((answer) => show(answer)).catch(told);
+    await call('open', { place, name }).then((answer) => show(answer)).catch(showError);
   });
   byId('loading').addEventListener('change', (event) => work.choose(event.target.value));
   byId('tour').addEventListener('click', () => {
     const { text, place, name, opened, picture, tab, chosen } = state, past = [...state.past], future = [...state.future];
     const back = () => call('check', { text, place }).then((answer) => show({ ...answer, place }, name))
-      .then(() => { Object.assign(state, { opened, picture, tab, chosen, past, future }); showState(); view.refresh(); }).catch(told);
+      .then(() => { Object.assign(state, { opened, picture, tab, chosen, past, future }); showState(); view.refresh(); }).catch(showError);
     tour({ open: (name) => call('open', { place: 'data', name }).then((answer) => show(answer)), back, view, form });
   });
   byId('toresults').addEventListener('click', () => byId('results').scrollIntoView());
@@ -190,8 +190,8 @@ function buttons() {
 
 /** A case from a file of the browser's, which has no folder. */
 async function openText(text, name) {
-  const answer = await call('check', { text, place: '' }).catch(told);
-  if (answer) await show({ ...answer, place: '' }, name).catch(told);
+  const answer = await call('check', { text, place: '' }).catch(showError);
+  if (answer) await show({ ...answer, place: '' }, name).catch(showError);
 }
 
 const save = () => download(`${state.name}.nml`, state.text);
@@ -201,9 +201,9 @@ function keys(event) {
   const key = event.key.toLowerCase(), isText = event.target.matches('input[type=text], input[type=search], textarea');
   const back = key === 'z' && !event.shiftKey, forth = (key === 'z' && event.shiftKey) || key === 'y';
   if (key === 's') save();
-  else if (key === 'enter') work.calculate().catch(told);
-  else if (back && !isText) undo(state.past, state.future).catch(told);
-  else if (forth && !isText) undo(state.future, state.past).catch(told);
+  else if (key === 'enter') work.calculate().catch(showError);
+  else if (back && !isText) undo(state.past, state.future).catch(showError);
+  else if (forth && !isText) undo(state.future, state.past).catch(showError);
   else return;
   event.preventDefault();
 }
@@ -238,8 +238,8 @@ async function start() {
     picture: view.picture, onstate: () => { if (work.isRunning()) showState.said = ''; showState(); }, onresult: view.refresh,
     onfailure: (failure) => { form.showError(state.error); showState.said = failure.code === 'INTERRUPTED' ? 'Stopped. The results are those of before.' : ''; view.refresh(); },
   });
-  onReturn(() => (unsent ? typed(...unsent) : check().then(take).then(results).catch(told)));
-  view.begin(about, { change, calculate: work.calculate, show: (text, place, name) => call('check', { text, place }).then((answer) => show({ ...answer, place }, name)), told });
+  onReturn(() => (unsent ? typed(...unsent) : check().then(take).then(results).catch(showError)));
+  view.begin(about, { change, calculate: work.calculate, show: (text, place, name) => call('check', { text, place }).then((answer) => show({ ...answer, place }, name)), showError });
   if (recall()) adopt(await check());
   else {
     const answer = await call('open', about.start);
@@ -250,4 +250,4 @@ async function start() {
   performance.mark('answer');
 }
 
-start().catch(told);
+start().catch(showError);

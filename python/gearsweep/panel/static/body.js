@@ -79,7 +79,7 @@ function grid(board, shape, x, y) {
   draw.stroke();
 }
 
-/** Red is tension, blue compression, as pale as they are small; the colours are told apart by people who see no red from green. */
+/** Red is tension, blue compression, as pale as they are small; people who see no red from green can distinguish them. */
 function warm(part) {
   const t = Math.max(-1, Math.min(1, part)), dark = isDark(), mix = (a, b, f) => a.map((value, i) => Math.round(value + f * (b[i] - value)));
   const none = dark ? [52, 58, 63] : [246, 246, 244];

@@ -7,7 +7,7 @@ const rightOf = (spec) => 14 + (spec.map ? 78 : spec.ends ? 14 + 6.3 * Math.max(
 /** Where the axes begin: an axis of words needs their room. */
 const leftOf = (spec) => (spec.words ? 32 + 6.3 * Math.max(...spec.words.map((word) => word.length)) : 62);
 const DASHES = ['', '7 3', '7 3 1.5 3', '1.5 3', '12 4'];
-// From dark to light on a light ground and the other way on a dark one, in even steps of lightness: told apart in grey, too.
+// From dark to light on a light ground and the other way on a dark one, in even steps of lightness: they differ in grey, too.
 const RAMP = [[68, 1, 84], [72, 40, 120], [62, 74, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [110, 206, 88], [181, 222, 43], [253, 231, 37]];
 
 /** The ramp's colour at a place from 0 to 1. */
@@ -281,7 +281,7 @@ function placed(label, value) {
 }
 
 /** A point in words. */
-export function told(spec, at) {
+export function readoutOf(spec, at) {
   if (!at) return '';
   if (spec.map) return `${placed(spec.map.label, at.z)} at ${placed(spec.xlabel, at.x)}, ${placed(spec.ylabel, at.y)}`;
   if (spec.words) return at.x === null ? `${spec.words[at.y]}, no derivative` : `${spec.words[at.y]}: ${shown(at.x)} per cent of DF for one per cent`;

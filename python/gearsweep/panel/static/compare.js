@@ -1,4 +1,4 @@
-// Results that are kept by name, beside each other: what differs in the case, and in what it gives.
+// Compares results that are kept by name: differences of the cases and of their results.
 import { el, labelled, shown } from './util.js';
 import { remember, tablesOf } from './state.js';
 import { need } from './work.js';
@@ -7,7 +7,7 @@ import { call, run } from './api.js';
 const RESULTS = ['geometry', 'motion', 'sweep_summary', 'optimum', 'transmission_error', 'sweep_worst', 'root_stress', 'root_rating', 'modal'];
 
 export async function compare(place, state, about, does, refresh) {
-  const again = () => { remember(); compare(place, state, about, does, refresh).catch(does.told); };
+  const again = () => { remember(); compare(place, state, about, does, refresh).catch(does.showError); };
   const input = el('input', { type: 'text', id: 'keepname', 'aria-label': 'Name', placeholder: `${state.name} ${state.kept.length + 1}` });
   const keep = (event) => {
     event.preventDefault();
@@ -21,10 +21,10 @@ export async function compare(place, state, about, does, refresh) {
   }
   const list = el('ul', { className: 'kept' }, ...state.kept.map((one) => el('li', {},
     el('label', { title: 'Show it in the pictures, too' }, el('input', { type: 'checkbox', checked: one.isShown, onchange: (event) => { one.isShown = event.target.checked; again(); } }), ` ${one.name}`),
-    el('button', { type: 'button', onclick: () => does.show(one.text, one.place, one.name).catch(does.told), title: 'Its case becomes the present one' }, 'Take its case'),
+    el('button', { type: 'button', onclick: () => does.show(one.text, one.place, one.name).catch(does.showError), title: 'Its case becomes the present one' }, 'Take its case'),
     el('button', { type: 'button', 'aria-label': `Forget ${one.name}`, onclick: () => { state.kept = state.kept.filter((other) => other !== one); again(); } }, 'Forget'))));
   const shown_ = [{ name: 'now', study: state.study, text: state.study.text, place: state.study.place }, ...state.kept.filter((one) => one.isShown)];
-  place.replaceChildren(bar, state.kept.length ? list : el('p', { className: 'hint shown' }, 'Keep results by a name, change the case, and both stand here and in the pictures beside each other.'),
+  place.replaceChildren(bar, state.kept.length ? list : el('p', { className: 'hint shown' }, 'Keep results by a name, change the case, and both are shown side by side here and in the pictures.'),
     ...(shown_.length > 1 ? [el('div', { className: 'scroll', tabIndex: 0 }, await sheet(shown_, about))] : []));
 }
 

@@ -37,7 +37,7 @@ export async function save(kind, drawing, name) {
   board.toBlob((found) => download(`${name}.png`, found));
 }
 
-/** The drawing below its title and legend, which on the page are beside it. */
+/** The drawing below its title and legend, which the page has next to it. */
 function withLegend(drawing) {
   const { spec, width, height } = drawing.places, entries = spec.series.filter((one) => one.label);
   const across = Math.max(1, Math.floor(width / 190)), top = 26 + 18 * Math.ceil(entries.length / across);

@@ -26,7 +26,7 @@ const wordsOf = (key) => key.words.length ? [...key.allowed.matchAll(/'([^']*)'/
 const plain = (raw) => /^'(?:[^']|'')*'$/.test(raw ?? '') ? raw.slice(1, -1).replaceAll("''", "'") : raw ?? '';
 const listed = (raw) => [...(raw ?? '').matchAll(/'((?:[^']|'')*)'|([^\s,']+)/g)].map((found) => found[1] ?? found[2]);
 
-/** Builds all fields; `onchange(group, key, value)` is told each change, `onslide` those while a slider moves. */
+/** Builds all fields; `onchange(group, key, value)` is called at each change, `onslide` while a slider moves. */
 export function build(description, onchange, onslide) {
   about = description;
   change = onchange;
@@ -245,7 +245,7 @@ function refreshMore(block) {
   more.setAttribute('aria-expanded', String(block.classList.contains('all')));
 }
 
-/** The library's message beside the field that it names, or at its group. */
+/** The library's message next to the field that it names, or at its group. */
 export function showError(error) {
   for (const node of document.querySelectorAll('#groups .error')) node.hidden = true;
   if (!error) return;

@@ -70,8 +70,8 @@ export const PICTURES = [
   { id: 'campbell', title: 'Where mesh harmonics meet natural frequencies', table: 'campbell', task: 'harmonic', kind: 'campbell', x: 'rpm', y: 'frequency_hz', order: 'harmonic' },
   { id: 'branches', title: 'Branches of periodic motions', table: 'branch_points', task: 'branches', kind: 'branches', x: PARAMETERS, y: 'dte_rms_um', yname: 'DTE, rms (µm)', ylog: 'wide', also: ['mesh_periods', 'stability', 'dynamic_factor'] },
   { id: 'branches_factor', title: 'Branches of periodic motions: dynamic factor', table: 'branch_points', task: 'branches', kind: 'branches', x: PARAMETERS, y: 'dynamic_factor', ylog: 'wide', also: ['mesh_periods', 'stability'] },
-  { id: 'life', title: 'Stress amplitudes beside the S-N curve', table: 'life_parts', task: 'life', kind: 'points', x: 'engagements', y: 'equivalent_amplitude_mpa', yname: 'Amplitude of the root stress (MPa)', xname: 'Load cycles: of one pass, and to failure', xlog: true, ylog: true, first: 'gear', without: ['part'],
-    needs: { life_curve: ['failure_cycles', 'stress_mpa', 'gear', 'curve'] }, beside: { table: 'life_curve', x: 'failure_cycles', y: 'stress_mpa', label: 'S-N curve' } },
+  { id: 'life', title: 'Stress amplitudes and the S-N curve', table: 'life_parts', task: 'life', kind: 'points', x: 'engagements', y: 'equivalent_amplitude_mpa', yname: 'Amplitude of the root stress (MPa)', xname: 'Load cycles: of one pass, and to failure', xlog: true, ylog: true, first: 'gear', without: ['part'],
+    needs: { life_curve: ['failure_cycles', 'stress_mpa', 'gear', 'curve'] }, reference: { table: 'life_curve', x: 'failure_cycles', y: 'stress_mpa', label: 'S-N curve' } },
   { id: 'body_campbell', title: 'Speeds at which the mesh excites the modes of the whole gear', table: 'body_campbell', task: 'body_modes', kind: 'campbell', x: 'rpm', y: 'frequency_hz', order: 'per_turn', also: ['harmonic', 'nodal_diameter'],
     needs: { gear_body: ['sectors'], body_modes: ['mode_name'] } },
   { id: 'as_built', title: 'Dynamic factor over speed, as built and nominal', table: 'as_built', x: 'rpm', y: ['dynamic_factor', 'nominal_factor'], yname: 'Dynamic factor', names: ['as built', 'nominal'], first: 'relief_um', ...SPEED },
@@ -200,7 +200,7 @@ export function drawn(picture, about, data, chosen) {
   if (picture.share) series = series.flatMap(apart);
   if (picture.other) series = series.filter((one) => one.part === 0 || one.y.some((value) => value !== null));
   if (columns[picture.seen]) series.push(...seen(picture, columns, groups, n));
-  if (picture.beside) series.unshift(lineOf(picture.beside, data));
+  if (picture.reference) series.unshift(lineOf(picture.reference, data));
   const arrows = picture.jumps && first ? series.flatMap((one) => jumps(one, data[picture.jumps], { ...where, [first.name]: first.values[one.group] })) : [];
   return { ...spec, series, arrows, lines: marked(picture, data), families: further };
 }
@@ -281,7 +281,7 @@ const parameterOf = (columns) => PARAMETERS.find((name) => name in columns);
 
 /** Of each branch what attracts, solid, and what repels, dashed, in a colour for the mesh periods after which it repeats. */
 function branches(columns, yname) {
-  const x = columns[parameterOf(columns)], found = [], told = new Set();
+  const x = columns[parameterOf(columns)], found = [], isLabelled = new Set();
   const periods = [...new Set(columns.mesh_periods)].sort((a, b) => a - b);
   for (const branch of new Set(columns.branch)) {
     const rows = columns.branch.flatMap((one, i) => (one === branch ? [i] : []));
@@ -292,8 +292,8 @@ function branches(columns, yname) {
       const y = rows.map((i, k) => (is(i) || (k > 0 && is(rows[k - 1])) ? columns[yname][i] : null));
       if (!rows.some(is)) continue;
       const label = `${of === 1 ? 'repeats with the mesh' : `after ${of} periods`}${repels ? ', repels' : ''}`;
-      found.push({ ...style(periods.indexOf(of), periods.length), x: rows.map((i) => x[i]), y, label: told.has(label) ? '' : label, dash: repels ? '4 3' : '' });
-      told.add(label);
+      found.push({ ...style(periods.indexOf(of), periods.length), x: rows.map((i) => x[i]), y, label: isLabelled.has(label) ? '' : label, dash: repels ? '4 3' : '' });
+      isLabelled.add(label);
     }
   }
   return found;
@@ -315,8 +315,8 @@ function merged(series, first) {
   return same ? [{ ...one, label: `any ${title(first.name, first.unit)}` }] : series;
 }
 
-/** Curves of kept results beside the present ones: thinner, with marks of their own. */
-export function beside(spec, others) {
+/** Adds the curves of kept results: thinner, with marks of their own. */
+export function withKept(spec, others) {
   if (spec.map || spec.words || spec.extent || spec.kind === 'bars' || others.length === 0) return spec;
   const series = [...spec.series];
   others.forEach(({ name, spec: other }, k) => {

@@ -6,10 +6,10 @@ import { file, need } from './work.js';
 const PAGE = 100;
 let from = 0;
 
-export async function tables(place, state, told) {
+export async function tables(place, state, showError) {
   const there = tablesOf(state.study), names = Object.keys(there);
   if (!(state.table in there)) state.table = ['sweep_worst', 'sweep', 'mesh'].find((one) => one in there) ?? names[0];
-  const table = there[state.table], again = () => tables(place, state, told).catch(told);
+  const table = there[state.table], again = () => tables(place, state, showError).catch(showError);
   const select = el('select', { id: 'table', 'aria-label': 'Table', onchange: () => { state.table = select.value; from = 0; remember(); again(); } }, ...names.map((name) => el('option', { value: name }, name)));
   select.value = table.name;
   const study = state.study, data = (await need(study, { [table.name]: null }))[table.name];
@@ -20,7 +20,7 @@ export async function tables(place, state, told) {
   const bar = el('div', { className: 'bar' }, select, el('span', { className: 'gap' }),
     ...(table.rows > PAGE ? [el('button', { type: 'button', onclick: move(-PAGE), disabled: from === 0, 'aria-label': 'Rows before' }, '‹'),
       el('span', {}, `rows ${from + 1} to ${to} of ${table.rows}`), el('button', { type: 'button', onclick: move(PAGE), disabled: to === table.rows, 'aria-label': 'Rows behind' }, '›')] : []),
-    el('button', { type: 'button', onclick: () => file('table', study, state.name, table.name).catch(told) }, 'CSV'));
+    el('button', { type: 'button', onclick: () => file('table', study, state.name, table.name).catch(showError) }, 'CSV'));
   place.replaceChildren(bar, el('p', { className: 'hint shown' }, `${table.meaning.charAt(0).toUpperCase()}${table.meaning.slice(1)}.`), el('div', { className: 'scroll', tabIndex: 0 }, table.rows === 1 ? upright(table, data) : rows(table, data, to)));
 }
 

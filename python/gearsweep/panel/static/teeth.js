@@ -160,14 +160,14 @@ function forces(pen, zoom) {
 function names(pen, width, height, zoom) {
   const place = (x, y) => { const at = pen.getTransform().transformPoint({ x, y }); const ratio = window.devicePixelRatio || 1; return [at.x / ratio, at.y / ratio]; };
   const words = scene.points.map((one, i) => [one.name, ...place(...one.place), i % 2 ? 15 : -8]);
-  const told = contacts().filter((one) => one.load !== null).map((one) => [`${shown(one.load, 3)} ${loads.unit}`, ...place(one.x, one.y)]);
+  const labels = contacts().filter((one) => one.load !== null).map((one) => [`${shown(one.load, 3)} ${loads.unit}`, ...place(one.x, one.y)]);
   pen.setTransform(window.devicePixelRatio || 1, 0, 0, window.devicePixelRatio || 1, 0, 0);
   pen.font = '600 12px system-ui, sans-serif';
   pen.lineWidth = 3;
   pen.strokeStyle = color('sheet');
   const write = (text, x, y, fill, align) => { pen.textAlign = align; pen.fillStyle = color(fill); pen.strokeText(text, x, y); pen.fillText(text, x, y); };
   for (const [name, x, y, dy] of words) write(name, x, y + dy, 'accent', 'center');
-  told.forEach(([text, x, y]) => write(text, x + 10, y + 26, 'force', 'left'));
+  labels.forEach(([text, x, y]) => write(text, x + 10, y + 26, 'force', 'left'));
   write('gear', width - 10, 20, 'muted', 'right');
   write('pinion, driving', width - 10, height - 10, 'muted', 'right');
 }

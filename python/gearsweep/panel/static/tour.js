@@ -1,15 +1,15 @@
-// A tour for the first time: a few steps, each beside what it speaks of.
+// A tour for the first time: a few steps, each next to its subject.
 import { byId, el } from './util.js';
 import { state } from './state.js';
 
 const STEPS = [
   { at: '#cases', words: 'A case is a gear pair with what is to be computed. This is case 1 of Dogan, Kalay and Karpat (2021): two gears of 25 teeth. Other papers’ cases, and those of your folder, are in this list.', before: (does) => does.open('case1.nml') },
-  { at: '#groups', words: 'Each key of the case is a field. Go into one: a line below tells what it means and what is allowed, and a slider changes it. What cannot be is said at once, in red, beside the field.' },
+  { at: '#groups', words: 'Each key of the case is a field. Go into one: a line below tells what it means and what is allowed, and a slider changes it. What cannot be is said at once, in red, next to the field.' },
   { at: '#pair', words: 'The pair turns through its mesh. Red arrows are the loads of the pairs in contact, blue the line of action with A, B, P, D and E. Choose below whether the load is the static one or that of the motion.' },
   { at: '#view', words: 'Largest load on one pair over the static load, the dynamic factor DF, over the speed: a curve for each relief. Without relief it reaches 1.48 in the resonance; with 15 µm it stays at 1.03.', tab: 'pictures', picture: 'sweep' },
   { at: '#view', words: 'The optimum: of all reliefs the one whose largest DF over all speeds is least. The least point of this curve is the relief to take.', tab: 'pictures', picture: 'optimum' },
   { at: '#field\\.relief\\.amount_um', words: 'Try it: put the caret on the last number of the reliefs and move the slider. The curves follow.', tab: 'pictures', picture: 'sweep', focus: ['relief', 'amount_um'] },
-  { at: '#tab\\.compare', words: 'Keep results by a name before you change more: both then stand beside each other here and in the pictures. Undo takes back any change.', tab: 'compare' },
+  { at: '#tab\\.compare', words: 'Keep results by a name before you change more: both are then shown side by side here and in the pictures. Undo takes back any change.', tab: 'compare' },
   { at: '#tab\\.answer', words: 'The whole answer as text, a report for the browser, and all tables and pictures as files. That is all: what you had before comes back now.', tab: 'answer' },
 ];
 

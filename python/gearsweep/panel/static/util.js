@@ -41,7 +41,7 @@ export const names = { numbers: {}, tasks: {}, words: {} };
 export const worded = (name) => names.words[name] ?? name.replaceAll('_', ' ');
 export const capital = (words) => words.charAt(0).toUpperCase() + words.slice(1);
 
-/** What a key or column is called: its name without the unit, which stands beside it. */
+/** What a key or column is called: its name without the unit, which is shown next to it. */
 export function title(name, ofUnit = '') {
   const bare = (word) => word.toLowerCase().replace(/[^a-z0-9]/g, '');
   let words = name.split('_');

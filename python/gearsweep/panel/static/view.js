@@ -1,7 +1,7 @@
 // The right side: numbers at a glance, and tabs for pictures, tables, the answer, comparisons and the case's text.
 import { byId, download, el, labelled, shown, title, unit } from './util.js';
-import { chart, markOf, nearest, told } from './chart.js';
-import { PICTURES, beside, byName, columnsOf, drawn, isBody, isThere, own } from './pictures.js';
+import { chart, markOf, nearest, readoutOf } from './chart.js';
+import { PICTURES, withKept, byName, columnsOf, drawn, isBody, isThere, own } from './pictures.js';
 import { bodyOf, stopBody } from './body.js';
 import { remember, state, tablesOf } from './state.js';
 import { file, need } from './work.js';
@@ -13,7 +13,7 @@ import { goTo } from './form.js';
 const TABS = [['pictures', 'Pictures'], ['tables', 'Tables'], ['answer', 'Answer'], ['compare', 'Compare'], ['text', 'Case']];
 let about = null, does = null;
 
-/** `does` has what the view asks for: `change` of a key, `show` of a case, `told` of failures. */
+/** `does` has what the view asks for: `change` of a key, `show` of a case, `showError` of failures. */
 export function begin(description, found) {
   about = description;
   does = found;
@@ -86,8 +86,8 @@ export function refresh(isSliding = false) {
     place.replaceChildren(state.tab === 'text' ? textTab() : el('p', { className: 'empty' }, 'There are no results yet.'));
     return Promise.resolve();
   }
-  const shows = { pictures: () => pictureTab(isSliding), tables: () => tables(place, state, does.told), answer: answerTab, compare: () => compare(place, state, about, does, refresh), text: () => place.replaceChildren(textTab()) };
-  return Promise.resolve(shows[state.tab]()).catch(does.told);
+  const shows = { pictures: () => pictureTab(isSliding), tables: () => tables(place, state, does.showError), answer: answerTab, compare: () => compare(place, state, about, does, refresh), text: () => place.replaceChildren(textTab()) };
+  return Promise.resolve(shows[state.tab]()).catch(does.showError);
 }
 
 /** The numbers that the server picked of each task; each leads to the picture that shows it. */
@@ -166,7 +166,7 @@ async function pictureTab(isSliding) {
   if (study !== state.study) return;
   if (there[one.table].rows === 0) { place.replaceChildren(bar, el('p', { className: 'empty' }, 'This table has no rows: there is nothing to draw.')); return; }
   let spec = drawn(one, there, data, state.chosen);
-  if (!isSliding || state.kept.some((kept) => kept.isShown)) spec = beside(spec, await others(one));
+  if (!isSliding || state.kept.some((kept) => kept.isShown)) spec = withKept(spec, await others(one));
   show(place, bar, spec, one);
 }
 
@@ -236,7 +236,7 @@ function follow(drawing, readout) {
   const mark = (found) => {
     at = found;
     if (!found) return;
-    readout.textContent = told(spec, found);
+    readout.textContent = readoutOf(spec, found);
     ring.setAttribute('cx', found.px);
     ring.setAttribute('cy', found.py);
     ring.setAttribute('visibility', 'visible');
@@ -259,7 +259,7 @@ function follow(drawing, readout) {
 // --- answer and text --------------------------------------------------------------
 
 function answerTab() {
-  const make = (what) => () => file(what, state.study, state.name).catch(does.told);
+  const make = (what) => () => file(what, state.study, state.name).catch(does.showError);
   byId('view').replaceChildren(
     el('div', { className: 'bar' }, el('button', { type: 'button', onclick: () => download(`${state.name}.txt`, state.study.report) }, 'Text'),
       el('button', { type: 'button', onclick: make('report'), title: 'One page with the answer, pictures, small tables and the case' }, 'Report (HTML)'),
@@ -270,7 +270,7 @@ function answerTab() {
 
 function textTab() {
   const area = el('textarea', { id: 'text', spellcheck: false, 'aria-label': 'The case as text', value: state.text });
-  const take = () => does.show(area.value, state.place, state.name).catch(does.told);
+  const take = () => does.show(area.value, state.place, state.name).catch(does.showError);
   const unused = state.unused.length ? el('p', { className: 'note' }, `Set, but not used: ${state.unused.join('; ')}.`) : null;
   return el('div', {}, el('div', { className: 'bar' }, el('button', { type: 'button', onclick: take }, 'Take this text'), el('button', { type: 'button', onclick: () => download(`${state.name}.nml`, area.value) }, 'Save')),
     el('p', { className: 'hint shown' }, 'The same text as everywhere: for the program, Python and Fortran.'), unused, area);

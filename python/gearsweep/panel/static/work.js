@@ -9,7 +9,7 @@ const ONCE = ['motion', 'optimum'];
 let running = null, again = null, seconds = 0, shape = null, spare = '';
 let hooks = {};
 
-/** `onresult()` is told new results, `onstate()` what a run is at; `picture()` is the one that is looked at. */
+/** `onresult()` is called at new results, `onstate()` at the progress of a run; `picture()` is the one that is looked at. */
 export function begin(found) { hooks = found; }
 
 export const isRunning = () => running !== null;
@@ -52,10 +52,10 @@ export async function calculate(tasks = null) {
     if (!tasks) seconds = (performance.now() - began) / 1000;
     state.error = null;
   } catch (failure) {
-    if (!failure.told) throw failure;
-    if (failure.told.code !== 'LOST') state.error = failure.told.code === 'INTERRUPTED' ? null : failure.told;
+    if (!failure.error) throw failure;
+    if (failure.error.code !== 'LOST') state.error = failure.error.code === 'INTERRUPTED' ? null : failure.error;
     state.isStale = true;
-    hooks.onfailure(failure.told);
+    hooks.onfailure(failure.error);
   } finally {
     running = null;
     hooks.onstate();
@@ -103,7 +103,7 @@ async function fetched(study, table, columns) {
   try {
     return await call('table', { study: study.study, table, columns });
   } catch (failure) {
-    if (failure.told?.code !== 'GONE') throw failure;
+    if (failure.error?.code !== 'GONE') throw failure;
     study.study = (await run({ text: study.text, place: study.place })).study;
     return call('table', { study: study.study, table, columns });
   }
