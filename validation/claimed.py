@@ -639,13 +639,6 @@ def shown(page, pattern):
     return [float(number) for number in found.groups()]
 
 
-def as_built_shown():
-    """Of the second example of doc/as_built.md: class, pairs of gears; nominal with 8 um, median there; what the errors add without relief, with 8 um."""
-    rows = {0: shown('as_built', r'^ +0 +([\d.]+) +[\d.]+ +(1\.4165)'), 8: shown('as_built', r'^ +8 +([\d.]+) +[\d.]+ +(1\.3699)')}
-    pairs = shown('as_built', r'pairs of gears: (20), ')
-    return [rows[8][0], *pairs, rows[8][1], rows[0][1] - rows[0][0], rows[8][1] - rows[8][0]]
-
-
 def quick_beyond():
     """Dynamic factors found both ways, how many differ by more than 1e-3, and the largest difference: bench/measured/as_built.md."""
     rows = re.findall(r'^\| \d \| (\d+) \| ([\d.e-]+) \| (\d+) \|$', (REFERENCE.parents[1] / 'bench/measured/as_built.md').read_text(encoding='utf-8'), flags=re.MULTILINE)
@@ -695,22 +688,6 @@ def many_bench(row):
     """A row of bench/measured/many.csv."""
     rows = [line.split(',') for line in (REFERENCE.parents[1] / 'bench/measured/many.csv').read_text(encoding='utf-8').splitlines()[2:]]
     return [float(cell) for cell in rows[row][2:]]
-
-
-def billion():
-    """For 1e9 motions: millions of variants, hours and minutes of 1 and 64 workers, blocks, minutes of the calling process, files and arrays."""
-    speeds, ms, size, calling = 327, 2.2, 4096, 0.07
-    variants = 1e9 / speeds
-    blocks = variants / size
-    return [1e-6 * variants, ms * 1e-3 * variants / 3600, blocks, calling * 1e-3 * variants / 60, blocks * 5]
-
-
-def as_built_three():
-    return as_built_shown()[:3]
-
-
-def as_built_adds():
-    return as_built_shown()[3:]
 
 
 def few_starts():
@@ -800,10 +777,6 @@ def many_shown():
     """Of the first example of doc/many.md: quantile, variants, its band."""
     value, lower, upper = shown('many', r'^([\d.]+) \(([\d.]+) to ([\d.]+)\)$')
     return [value, *shown('many', r"^\{'ok': (\d+)\}$"), lower, upper]
-
-
-def billion_part(at):
-    return billion()[at]
 
 
 def needed_draws():
