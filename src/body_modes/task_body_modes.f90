@@ -236,8 +236,6 @@ contains
   pure subroutine add_report(self, lines)
     class(body_modes_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer, parameter :: most = 20
-    integer :: i
 
     associate (body => self%tables(self%place('gear_body')), modes => self%tables(self%place('body_modes')))
       call lines%add('')

@@ -407,7 +407,6 @@ contains
     class(branches_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
     character(:), allocatable :: name
-    integer :: i
 
     name = trim(parameter_names(self%parameter))
     associate (branches => self%tables(self%place('branches')), changes => self%tables(self%place('branch_changes')))

@@ -273,7 +273,6 @@ contains
   pure subroutine add_report(self, lines)
     class(sensitivity_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i
 
     associate (table => self%tables(self%place('sensitivity')))
       call lines%add('')
