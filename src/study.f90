@@ -6,6 +6,8 @@ module gearsweep_study
   use gearsweep_study_case_case, only: case_t
   ! Checks of combinations of the keys of a case.
   use gearsweep_study_case_case_checks, only: add_length_cautions, check_case
+  ! Keys of the load over the face width.
+  use gearsweep_study_case_face_keys, only: read_face
   ! Keys of the gears.
   use gearsweep_study_case_gear_keys, only: read_direction, read_gear, read_materials, read_pair, read_section
   ! Keys of mesh and motion.
@@ -48,6 +50,8 @@ module gearsweep_study
   use gearsweep_study_run_study, only: run_study
   ! The task `deflection_relief`.
   use gearsweep_study_tasks_deflection_relief, only: deflection_relief_task_t
+  ! The task `face_load`.
+  use gearsweep_study_tasks_face_load, only: face_load_task_t
   ! The task `flank`.
   use gearsweep_study_tasks_flank, only: flank_task_t
   ! The task `geometry`.

@@ -3,8 +3,8 @@
 module gearsweep_api_case_reader
   use gearsweep_base, only: code_input, error_t, fail, join, lower, utf8
   use gearsweep_study, only: add_length_cautions, case_t, check_case, keys_t, namelist_t, open_list, open_reader, parse_namelist, &
-    read_direction, read_dynamics, read_gear, read_load, read_materials, read_model, read_numerics, read_pair, read_path, &
-    read_relief, read_section, read_sweep, reader_t, task_length
+    read_direction, read_dynamics, read_face, read_gear, read_load, read_materials, read_model, read_numerics, read_pair, &
+    read_path, read_relief, read_section, read_sweep, reader_t, task_length
   use gearsweep_api_tasks, only: find_former_task, list_task_names, list_tasks
   implicit none
   private
@@ -130,6 +130,7 @@ contains
     call reader%add_group('pinion', 'The driving gear. Its tooth factors are in modules.')
     call reader%add_group('gear', 'The driven gear. Its tooth factors are in modules.')
     call reader%add_group('material', 'The material of both gears; a gear of another has keys of its own.')
+    call reader%add_group('face', 'How the faces of the gears meet: the load over the face width.')
     call reader%add_group('load', 'The static load; exactly one of its keys.')
     call reader%add_group('relief', 'Tip relief, which grows from its start to the tip. Without this group there is none.')
     call reader%add_group('mesh', 'The stiffness of the pairs of teeth in mesh.')
@@ -158,6 +159,7 @@ contains
     call read_pair(reader, case, error)
     call read_gear(reader, 'pinion', 1, case, error)
     call read_gear(reader, 'gear', 2, case, error)
+    call read_face(reader, case, error)
     call read_direction(reader, case, error)
     call read_materials(reader, case, error)
     call read_path(reader, case, error)

@@ -1,8 +1,8 @@
 !> List of all tasks. A new task is one line in `list_tasks`.
 module gearsweep_api_tasks
-  use gearsweep_study, only: deflection_relief_task_t, flank_task_t, geometry_task_t, harmonic_task_t, life_task_t, load_task_t, &
-    mesh_task_t, modal_task_t, optimum_task_t, precision_task_t, rating_task_t, static_task_t, sweep_task_t, &
-    task_length, task_slot_t, task_t, transient_task_t
+  use gearsweep_study, only: deflection_relief_task_t, face_load_task_t, flank_task_t, geometry_task_t, harmonic_task_t, &
+    life_task_t, load_task_t, mesh_task_t, modal_task_t, optimum_task_t, precision_task_t, rating_task_t, static_task_t, &
+    sweep_task_t, task_length, task_slot_t, task_t, transient_task_t
   use gearsweep_nonlinear, only: attractors_task_t, branches_task_t, hysteresis_task_t, poincare_task_t, sensitivity_task_t, &
     stability_task_t
   use gearsweep_as_built, only: as_built_task_t
@@ -26,6 +26,7 @@ contains
     call add(mesh_task_t())
     call add(static_task_t())
     call add(modal_task_t())
+    call add(face_load_task_t())
     call add(load_task_t())
     call add(sweep_task_t())
     call add(optimum_task_t())

@@ -280,7 +280,7 @@ contains
     integer :: i
 
     if (.not. options%section%plane_strain) then
-      call fail(error, code_input, 'plane strain: must be true for teeth whose load varies over the face width')
+      call fail(error, code_input, 'plane of the section: must be strain for teeth whose load varies over the face width')
       return
     end if
     call both_teeth(pair, material, options, tooth, error, teeth)

@@ -566,6 +566,25 @@ while IFS= read -r line; do
   case $line in passed*) pass ;; *) fails "$title" ;; esac
 done <numbers
 
+# --- how faces meet -------------------------------------------------------------
+
+grep -v '^ *!' "$root/data/face_load.nml" | sed 's/ *!.*//' >base.nml
+refuses '&face misalignment_um = 2000: must be at least -1000 and at most 1000' 1 's/misalignment_um = 10/misalignment_um = 2000/'
+refuses '&face misalignment_um = 1010 together: must be from -1000 to 1000' 1 's/misalignment_um = 10/misalignment_um = 1000/; s/crowning_um = 8/lead_slope_um = 10/'
+refuses '&pinion crowning_um = 8000: must be at least -1000 and at most 1000' 1 's/crowning_um = 8/crowning_um = 8000/'
+refuses '&pinion end_relief_mm: missing; an end relief has end_relief_um and end_relief_mm' 1 '/end_relief_mm/d'
+refuses '&pinion end_relief_um: missing; an end relief has end_relief_um and end_relief_mm' 1 '/end_relief_um/d'
+refuses '&pinion end_relief_mm = 16: must be from 0 to half of the face width, 15 mm' 1 's/end_relief_mm = 3/end_relief_mm = 16/'
+refuses '&pair face_width_mm = 8: must be at least 3 modules for a load distribution over it' 1 's/face_width_mm = 30/face_width_mm = 8/'
+refuses '&face bearing_span_mm: missing; a shaft has shaft_diameter_mm, bearing_span_mm and torque_side' 1 '/bearing_span_mm/d'
+refuses '&face torque_side: missing; a shaft has shaft_diameter_mm, bearing_span_mm and torque_side' 1 '/torque_side/d'
+refuses 'for an overhung pinion state the misalignment' 1 's/bearing_offset_mm = -15/bearing_offset_mm = 80/'
+refuses "&case tasks: the load over the face width needs &mesh model = 'fe'" 1 "s/^&face/\\&mesh model = 'weber' \/ \\&face/"
+refuses "&case tasks: the load over the face width needs &section plane = 'strain'" 1 "s/^&face/\\&section plane = 'stress' \/ \\&face/"
+refuses 'bodies held inside: of gears with a web' 1 "s/^&gear/\\&gear rim_thickness_mm = 6 web_thickness_mm = 6/"
+refuses "needs bodies held inside, &section fixed = 'sides', 'rim'" 1 "s/^&face/\\&section fixed = 'sides' \/ \\&face/"
+cp geared.nml base.nml
+
 # --- spellings of the same case ----------------------------------------------
 
 # means TITLE FILE: gives the same sweep as the base case.
@@ -816,7 +835,7 @@ refuses '&dynamics friction = 1: must be at least 0 and below 1' 1 's/friction =
 refuses '&material poisson = 0.5: must be at least 0 and below 0.5' 1 's/poisson = .*/poisson = 0.5/'
 refuses '&pair backlash_um = -1: must be at least 0' 1 's/module_mm/backlash_um = -1 module_mm/'
 refuses "tip_alteration = 1: must be .true. or .false." 1 's/module_mm/tip_alteration = 1 module_mm/'
-refuses "&case tasks = 'sweep', 'stress': must be one of 'geometry', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum', 'deflection_relief'" 1 "s/tasks = .*/tasks = 'sweep', 'stress'/"
+refuses "&case tasks = 'sweep', 'stress': must be one of 'geometry', 'mesh', 'static', 'modal', 'face_load', 'load', 'sweep', 'optimum'" 1 "s/tasks = .*/tasks = 'sweep', 'stress'/"
 refuses "&case tasks: 'section' is no task; its table outline is one of the task geometry" 1 "s/tasks = .*/tasks = 'section'/"
 refuses "&case tasks: 'torque' is no task; the task load writes its tables, with &sweep load_rpm and load_torque" 1 "s/tasks = .*/tasks = 'sweep', 'Torque'/"
 refuses "must be one of 'fe', 'weber', 'iso6336', 'polynomial', 'table'" 1 "s/model = .*/model = 'finite'/"
@@ -931,7 +950,7 @@ refuses '&mesh base_pitch_mm: missing; a torque' 1 's/normal_force_n/torque_nm/'
 refuses '&mesh base_pitch_mm: missing; an inertia' 1 's/effective_mass_kg/inertia_kgm2/'
 refuses '&pair face_width_mm: missing; a line load' 1 's/normal_force_n/line_load_n_mm/'
 refuses '&pair face_width_mm = 20: a prescribed mesh uses it with line_load_n_mm only' 1 's/&case/\&pair face_width_mm = 20 \/ \&case/'
-for task in geometry static modal deflection_relief flank rating transient harmonic life body_modes; do
+for task in geometry static modal face_load deflection_relief flank rating transient harmonic life body_modes; do
   refuses "&case tasks = '$task': needs gears; a prescribed mesh" 1 "s/tasks = .*\//tasks = '$task' \//"
 done
 refuses "must be one of 'polynomial', 'table'" 1 "s/model = .*/model = 'fe'/"

@@ -295,6 +295,80 @@ class ModeEnergyTable(Table):
     energy_share: NDArray[float64]
     """kinetic energy of this part over the whole"""
 
+class FaceLoadTable(Table):
+    """load over the face width of each pair over a mesh period, for each relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    mesh_phase: NDArray[float64]
+    """fraction of the mesh period, 0 where a pair enters at A; both sides of a break"""
+    s: NDArray[float64]
+    """path coordinate of the pair, in base pitches from A"""
+    z_mm: NDArray[float64]
+    """mm: place of the slice's middle along the face"""
+    slice_mm: NDArray[float64]
+    """mm: width of the slice"""
+    gap_um: NDArray[float64]
+    """um: gap of the flanks by misalignment, leads and the shaft's deflection, without tip relief"""
+    line_load_n_mm: NDArray[float64]
+    """N/mm: load of the slice over its width"""
+    pressure_mpa: NDArray[float64]
+    """MPa: Hertz's pressure under it"""
+
+class FaceLoadPhasesTable(Table):
+    """load over the face width over a mesh period, for each relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    mesh_phase: NDArray[float64]
+    """fraction of the mesh period, 0 where a pair enters at A; both sides of a break"""
+    pairs: NDArray[int64]
+    """pairs between A and E"""
+    ste_um: NDArray[float64]
+    """um: static transmission error along the line of action"""
+    mesh_stiffness_n_um: NDArray[float64]
+    """N/um: tangent stiffness of the mesh: load over deflection for a small change"""
+    face_load_factor: NDArray[float64]
+    """largest load on one module of the face over the mean, of all pairs together"""
+
+class FaceLoadSummaryTable(Table):
+    """face load factors for each relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    face_load_factor: NDArray[float64]
+    """K_H_beta in the middle of contact of the fewest pairs: largest load on one module of the face over the mean"""
+    mean_face_load_factor: NDArray[float64]
+    """K_H_beta of the load's mean over the mesh period"""
+    worst_face_load_factor: NDArray[float64]
+    """K_H_beta at the phase where it is largest"""
+    worst_phase: NDArray[float64]
+    """that mesh phase"""
+    root_face_load_factor: NDArray[float64]
+    """K_F_beta: largest root stress along the face over that of an even load, at the outer points of contact of the fewest pairs"""
+    edge_load: NDArray[float64]
+    """mean over the period of the load on the outermost module of the face, larger end, over the mean"""
+    face_in_contact: NDArray[float64]
+    """fraction of the face that carries in the middle of contact of the fewest pairs"""
+    largest_line_load_n_mm: NDArray[float64]
+    """N/mm: largest load of a slice over its width"""
+    largest_pressure_mpa: NDArray[float64]
+    """MPa: largest Hertz pressure of a slice"""
+    ste_mean_um: NDArray[float64]
+    """um: mean static transmission error"""
+    ste_peak_to_peak_um: NDArray[float64]
+    """um: its peak-to-peak value"""
+    mesh_stiffness_n_um: NDArray[float64]
+    """N/um: mean tangent stiffness of the mesh"""
+    misalignment_um: NDArray[float64]
+    """um: misalignment with both lead slopes"""
+    shaft_gap_um: NDArray[float64]
+    """um: largest gap by twist and bending of pinion and shaft; 0 for a rigid shaft"""
+    iso_shaft_misalignment_um: NDArray[float64]
+    """um: f_sh of ISO 6336-1 for that shaft"""
+    iso_face_load_factor: NDArray[float64]
+    """K_H_beta of ISO 6336-1, method C, for the misalignment and 1.33 f_sh, without crowning, end relief and running in"""
+
 class LoadTable(Table):
     """dynamic load of one pair along its path of contact"""
 
@@ -2184,6 +2258,12 @@ class Named:
     def modal(self) -> ModalTable: ...
     @property
     def mode_energy(self) -> ModeEnergyTable: ...
+    @property
+    def face_load(self) -> FaceLoadTable: ...
+    @property
+    def face_load_phases(self) -> FaceLoadPhasesTable: ...
+    @property
+    def face_load_summary(self) -> FaceLoadSummaryTable: ...
     @property
     def load(self) -> LoadTable: ...
     @property

@@ -22,7 +22,7 @@ NUMBERS = {
 #: Tasks by purpose.
 TASKS = {
     'Design': ('geometry', 'mesh', 'sweep', 'optimum', 'deflection_relief', 'as_built', 'load', 'sensitivity'),
-    'Strength': ('static', 'rating', 'flank', 'life', 'transient', 'harmonic'),
+    'Strength': ('face_load', 'static', 'rating', 'flank', 'life', 'transient', 'harmonic'),
     'Vibration': ('modal', 'body_modes'),
     'Nonlinear motion': ('stability', 'hysteresis', 'poincare', 'attractors', 'branches'),
     'Accuracy': ('precision',),
@@ -55,4 +55,5 @@ WORDS = {
     'rating': 'rating by ISO 6336',
     'precision': 'precision of methods',
     'as_built': 'gears as built',
+    'face_load': 'load over the face width',
 }

@@ -16,7 +16,7 @@ EXAMPLES = {
 #: Of a residual nothing but its size is known.
 LEAST = {'body_modes.md: body_modes.nml': 1e-8}
 #: Pages on a task that have no lines of Python to run.
-TASKS = ('as_built', 'body_modes', 'deflection_relief', 'flank', 'harmonic', 'life', 'rating', 'transient')
+TASKS = ('as_built', 'body_modes', 'deflection_relief', 'face_load', 'flank', 'harmonic', 'life', 'rating', 'transient')
 
 
 @pytest.mark.parametrize('example', EXAMPLES)

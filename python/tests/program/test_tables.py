@@ -25,6 +25,7 @@ PLACES = {
     'Natural frequencies of the section': 'modal mode_energy section',
     'Root stress of the': 'root_stress root_rating',
     'Static transmission error': 'transmission_error harmonics',
+    'Load over the face width': 'face_load_summary',
     'Dynamic factor at chosen speeds': 'load_points',
     'Transmitted torque': 'torque_points',
     'Dynamic factor over': 'sweep_summary sweep sweep_worst resonances',

@@ -3,6 +3,7 @@ module gearsweep_study_case_case
   use gearsweep_base, only: dp
   use gearsweep_gear, only: gear_spec_t, linear
   use gearsweep_elastic, only: material_t, section_options_t
+  use gearsweep_face, only: alignment_t, shaft_t
   use gearsweep_mesh, only: iso_options_t
   use gearsweep_motion, only: accuracy_t, both
   use gearsweep_study_case_task, only: sentence_of, stage, task_slot_t
@@ -27,6 +28,11 @@ module gearsweep_study_case_case
     real(dp) :: mass(2) = 0, inertia(2) = 0      !< effective mass, kg, and polar inertia, kg m^2; 0: not stated
     real(dp) :: hub_inertia(2) = 0               !< inertia at the bores, without the gears' own, kg m^2
     type(material_t) :: material(2)              !< materials of pinion and gear
+    ! &face, and the leads of the gears
+    type(alignment_t) :: alignment
+    type(shaft_t) :: shaft                       !< numbers of &face only, without those of the pinion
+    integer :: slices = 0                        !< 0: automatic
+    logical :: has_face = .false.                !< true if the case states any of these
     ! &load, exactly one of these
     real(dp) :: torque = 0, normal_force = 0, line_load = 0
     real(dp), allocatable :: torques(:)          !< torques, N m; if allocated, `torque` is the largest

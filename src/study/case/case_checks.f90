@@ -30,6 +30,7 @@ contains
         ' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     end do
     if (case%prescribed) call check_prescribed(case, error)
+    if (case%requests('face_load') .or. (case%has_face .and. case%needs(stage%face))) call check_face(case, error)
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &
@@ -48,6 +49,22 @@ contains
         case_facts_t(case%amount, case%spec, case%accuracy%scheme, torques), error)
     end do
   end subroutine check_case
+
+  !> Refuses bodies and stiffnesses whose load over the face width is not known.
+  subroutine check_face(case, error)
+    type(case_t), intent(in) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: tasks = '&case tasks: the load over the face width needs '
+
+    if (case%prescribed) return
+    if (case%model /= 'fe') call fail(error, code_input, tasks//'&mesh model = ''fe''')
+    if (.not. case%section%plane_strain) call fail(error, code_input, tasks//'&section plane = ''strain''')
+    if (case%has_support .and. .not. case%section%fixed_rim) call fail(error, code_input, tasks// &
+      'bodies held inside, &section fixed = ''sides'', ''rim''')
+    ! The pair stiffness of a gear with a web has a rim that is free inside, unless the section says otherwise.
+    if (any(case%iso%web_thickness > 0) .and. .not. (case%has_support .or. case%section%rim > 0 .or. case%section%teeth == 0)) &
+      call fail(error, code_input, tasks//'bodies held inside: of gears with a web, &section fixed = ''sides'', ''rim''')
+  end subroutine check_face
 
   !> Refuses keys of a prescribed mesh that follow from gears.
   subroutine check_prescribed(case, error)

@@ -24,6 +24,7 @@ module gearsweep_study_case_key_names
     & key_name_t('path of contact', '&pair'), &
     & key_name_t('shortened path', '&pair shorten_path'), &
     & key_name_t('face width', '&pair face_width_mm'), &
+    & key_name_t('face width (mm)', '&pair face_width_mm'), &
     & key_name_t('relief', '&relief'), &
     & key_name_t('amount of relief', '&relief amount_um'), &
     & key_name_t('line load (N/mm)', '&load line_load_n_mm'), &
@@ -31,10 +32,14 @@ module gearsweep_study_case_key_names
     & key_name_t('Poisson''s ratio', '&material poisson'), &
     & key_name_t('density', '&material density_kgm3'), &
     & key_name_t('pair stiffness', '&mesh model'), &
+    & key_name_t('misalignment and lead slopes (um)', '&face misalignment_um'), &
+    & key_name_t('shaft diameter (mm)', '&face shaft_diameter_mm'), &
+    & key_name_t('bearing offset (mm)', '&face bearing_offset_mm'), &
     & key_name_t('corner contact', '&mesh corner_contact'), &
     & key_name_t('teeth of the section', '&section teeth'), &
     & key_name_t('support of the section', '&section fixed'), &
     & key_name_t('rim (mm)', '&section rim_mm'), &
+    & key_name_t('plane of the section', '&section plane'), &
     & key_name_t('half angle of the section (deg)', '&section half_angle_deg'), &
     & key_name_t('elements across a tooth', '&section elements_across'), &
     & key_name_t('static stress', '&static'), &
@@ -55,6 +60,9 @@ module gearsweep_study_case_key_names
     & key_name_t('protuberance (mm)', 'protuberance_mm'), &
     & key_name_t('grinding stock (mm)', 'grinding_stock_mm'), &
     & key_name_t('profile shift', 'profile_shift'), &
+    & key_name_t('crowning (um)', 'crowning_um'), &
+    & key_name_t('end relief (um)', 'end_relief_um'), &
+    & key_name_t('end relief length (mm)', 'end_relief_mm'), &
     & key_name_t('bore diameter (mm)', 'bore_mm'), &
     & key_name_t('web thickness (mm)', 'web_thickness_mm'), &
     & key_name_t('rim thickness (mm)', 'rim_thickness_mm'), &

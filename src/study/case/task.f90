@@ -33,14 +33,15 @@ module gearsweep_study_case_task
     integer :: accuracy                          !< choices of &numerics
     integer :: speeds                            !< speeds of &sweep
     integer :: direction                         !< direction of a sweep through the speeds
+    integer :: face                              !< misalignment, leads and the pinion's shaft
   end type stage_names_t
 
   !> Indices of the stages, as in `stage%mesh`.
-  type(stage_names_t), parameter, public :: stage = stage_names_t(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
+  type(stage_names_t), parameter, public :: stage = stage_names_t(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17)
 
   !> Names of the stages in descriptions of a task.
   character(*), parameter, public :: stage_words(*) = [character(10) :: 'geometry', 'section', 'body', 'solid', 'elasticity', &
-    'density', 'rims', 'webs', 'mesh', 'reliefs', 'amounts', 'motion', 'losses', 'accuracy', 'speeds', 'direction']
+    'density', 'rims', 'webs', 'mesh', 'reliefs', 'amounts', 'motion', 'losses', 'accuracy', 'speeds', 'direction', 'face']
 
   !> Description of a task.
   type :: task_info_t

@@ -11,7 +11,7 @@ module gearsweep_study_run_stages
   use gearsweep_study_case_case, only: case_t
   use gearsweep_study_case_published, only: published_t
   use gearsweep_study_case_task, only: stage, task_slot_t, task_t
-  use gearsweep_study_run_inputs, only: body_inputs_t, elements_inputs_t, motions_inputs_t
+  use gearsweep_study_run_inputs, only: body_inputs_t, elements_inputs_t, face_inputs_t, motions_inputs_t
   implicit none
   private
   public :: runnable_t, running_t, stages_t, points_of, study_t
@@ -42,6 +42,7 @@ module gearsweep_study_run_stages
     integer :: gear = 1                        !< gear whose section is analysed: 1 pinion, 2 gear
     type(body_inputs_t) :: body_inputs           !< inputs of its section
     type(body_inputs_t) :: solid_inputs          !< inputs of its body in three dimensions
+    type(face_inputs_t) :: face                  !< how the faces meet: misalignment, leads, shaft of the pinion
     type(elements_inputs_t), allocatable :: elements_inputs  !< inputs of the pair stiffness, if it is by finite elements
     type(teeth_t) :: teeth                       !< teeth by finite elements: those of this pair, and some of earlier studies
     type(mesh_t), allocatable :: mesh            !< mesh without relief

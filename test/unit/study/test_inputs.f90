@@ -134,6 +134,8 @@ contains
     character(*), parameter :: eccentric = 'deviations gear_runout_um 4;deviations gear_runout_phase_deg 10'
     character(*), parameter :: drawn = 'deviations pinion_runout_um ;deviations pinion_runout_phase_deg ;deviations pinion_class 6'
 
+    character(*), parameter :: shaft = 'face shaft_diameter_mm 30;face bearing_span_mm 80;face torque_side ''near'''
+
     character(*), parameter :: by_material = 'life curve_cycles ;life curve_stress_mpa ;life tensile_strength_mpa ;'// &
                                              'rating material ''case_hardened'''
 
@@ -289,6 +291,13 @@ contains
     call add('optimum over_torques', '''weighted''', 'g', by_torques)
     call add('load torque_shares', '1, 3', 'g', by_torques//';optimum over_torques ''weighted'';load torque_shares 1, 1')
     call add('load torques_nm', '90, 100', 'g', by_torques)
+    call add('face misalignment_um', '12', 'g')
+    call add('face misalignment_um', '12', 'g', 'mesh model ''fe'';face misalignment_um 5')
+    call add('face slices', '16', 'g')
+    call add('face shaft_diameter_mm', '35', 'g', shaft//';face bearing_offset_mm 5')
+    call add('face bearing_span_mm', '90', 'g', shaft//';face bearing_offset_mm 5')
+    call add('face bearing_offset_mm', '10', 'g', shaft)
+    call add('face torque_side', '''far''', 'g', shaft)
     call add('deflection_relief point', '''hpstc''', 'g')
     call add('deflection_relief pinion_diameter_mm', '66, 68', 'g')
     call add('deflection_relief gear_diameter_mm', '105, 107', 'g')
@@ -440,6 +449,10 @@ contains
       call add(gear//' bore_mm', '12')
       call add(gear//' bore_mm', '12', 'g', 'section rim_mm 5')
       call add(gear//' bore_mm', '12', 'g', gear//' effective_mass_kg 0.5')
+      call add(gear//' lead_slope_um', '5', 'g')
+      call add(gear//' crowning_um', '6', 'g')
+      call add(gear//' end_relief_um', '7', 'g', gear//' end_relief_um 5;'//gear//' end_relief_mm 4')
+      call add(gear//' end_relief_mm', '3', 'g', gear//' end_relief_um 5;'//gear//' end_relief_mm 4')
       call add(gear//' young_gpa', '120')
       call add(gear//' poisson', '0.25')
       call add(gear//' density_kgm3', '7200')
@@ -520,6 +533,7 @@ contains
              'life rpm 20000;life duration_h 9;'// &
              'life tensile_strength_mpa 1500;life curve_cycles 1e4, 1e8;life curve_stress_mpa 900, 90;'// &
              'body_modes modes 1;body_modes nodal_diameters 0;body_modes elements_across 2;body_modes shapes 1;'//few)
+    if (task == 'face_load') call set(settings, 'mesh model ''fe'';face misalignment_um 10')
     if (task == 'body_modes') call set(settings, 'pinion bore_mm 20;gear bore_mm 30')
     ! A turn of the pinion is the period then; light damping would take long over it.
     if (task == 'as_built') call set(settings, 'dynamics damping_ratio 0.1;deviations pinion_runout_um 6;deviations '// &
