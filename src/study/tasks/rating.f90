@@ -13,14 +13,18 @@ module gearsweep_study_tasks_rating
     dynamic_factor_a, dynamic_factor_b, gear_materials, grade_of, grades, life_curve_t, life_curve_words, life_factor, &
     load_factors_t, material_length, method_b_t, no_grade, nominal_of, nominal_t, resonance_ratio, root_life_curve, root_number, &
     test_gear_correction, tooth_root_stress
+  use gearsweep_face, only: face_load_t
+  use gearsweep_face, only: face_load_t
+  use gearsweep_study_case_face_keys, only: is_uneven
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
   use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
+  use gearsweep_study_run_face_stage, only: find_face_loads
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_point, known_count, of_estimate, &
     of_factor, of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
   private
-  public :: limits_t, read_material, read_load_factors, add_life_curves, largest_share, rating_task_t
+  public :: limits_t, find_face_factor, read_material, read_load_factors, add_life_curves, largest_share, rating_task_t
 
   !> Allowable stress numbers of pinion and gear (Pa); NaN where the case gives none.
   type :: limits_t
@@ -55,6 +59,7 @@ module gearsweep_study_tasks_rating
     type(load_factors_t) :: factors              !< K_A is that of &load
     type(limits_t) :: limits                     !< allowable stress numbers of the gears
     real(dp) :: life = 0                         !< required life, s; 0: none
+    logical :: has_face = .false.                !< true: the face load factors follow from the load over the face width
   contains
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
@@ -139,6 +144,23 @@ contains
                     not_allowed=not_allowed, at_least=1.0_dp, at_most=100.0_dp, &
                     meaning='K_H_alpha and K_F_alpha, for deviations that let the pairs share the load unevenly')
   end subroutine read_load_factors
+
+  !> Finds K_H_beta in the middle of single contact and, on demand, K_F_beta by the load over the face width: the largest over the
+  !> reliefs, on which they depend above a contact ratio of 2 only.
+  subroutine find_face_factor(stages, factors, error, root)
+    type(stages_t), intent(in) :: stages
+    type(load_factors_t), intent(inout) :: factors
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), intent(out), optional :: root
+    type(face_load_t), allocatable :: loads(:)
+    integer :: i
+
+    if (present(root)) root = 1
+    call find_face_loads(stages, loads, error)
+    if (allocated(error)) return
+    factors%face_load = maxval([(loads(i)%single_factor, i=1, size(loads))])
+    if (present(root)) root = maxval([(loads(i)%root_factor, i=1, size(loads))])
+  end subroutine find_face_factor
 
   !> Adds columns of the limits, a row for each gear.
   pure subroutine add_limits(limits, table)
@@ -273,7 +295,7 @@ contains
     type(task_info_t), intent(out) :: info
 
     info = task_info_t(group, needs=[stage%geometry, stage%elasticity, stage%rims, stage%webs, stage%mesh, stage%reliefs, &
-                                     stage%amounts, stage%motion, stage%losses, stage%accuracy], &
+                                     stage%amounts, stage%motion, stage%losses, stage%accuracy, stage%face], &
                        tables='rating rating_factors dynamic_factors', fields='', &
                        summary='contact and root stress by ISO 6336, with K_v of the motion beside that of Method B')
   end subroutine describe
@@ -340,11 +362,15 @@ contains
     integer, allocatable :: motions(:, :)        ! number of motions
     type(method_b_t), allocatable :: of(:)                 ! inputs of Method B; (relief)
     type(nominal_t) :: nominal
+    real(dp) :: root_face_load
     integer :: grade, i, k
     logical :: out_of_memory
 
     if (allocated(error)) return
     self%factors%application = stages%iso%application_factor
+    self%has_face = is_uneven(stages%face%alignment, stages%face%shaft)
+    if (self%has_face) call find_face_factor(stages, self%factors, error, root_face_load)
+    if (allocated(error)) return
     call need_method_b(stages, self%accuracy, of, grade, error)
     call claim_memory(1000.0_dp*size(stages%motion)*size(self%own_rpm), '&rating rpm: '// &
                       str(size(stages%motion)*size(self%own_rpm))//' motions', error)
@@ -361,8 +387,9 @@ contains
       end do
     end do
     nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade)
+    if (self%has_face) nominal%root_face_load = root_face_load
     call fill_dynamic(stages, self%own_rpm, of, point, motions, self%tables(self%place('dynamic_factors')), error)
-    call fill_factors(stages, self%factors, nominal, of(1), self%limits, self%tables(self%place('rating_factors')), error)
+    call fill_factors(stages, self, nominal, of(1), self%tables(self%place('rating_factors')), error)
     call fill_rating(self, nominal, stages%amount, [stages%pair%gear%spec%teeth], self%tables(self%place('rating')), error)
     self%is_done = .true.
     self%is_stopped = any(point%steady%status == status_stopped)
@@ -404,12 +431,11 @@ contains
   end subroutine fill_dynamic
 
   !> Fills the factors that do not depend on the speed.
-  subroutine fill_factors(stages, factors, nominal, of, limits, table, error)
+  subroutine fill_factors(stages, task, nominal, of, table, error)
     type(stages_t), intent(in) :: stages
-    type(load_factors_t), intent(in) :: factors
+    type(rating_task_t), intent(in) :: task
     type(nominal_t), intent(in) :: nominal
     type(method_b_t), intent(in) :: of
-    type(limits_t), intent(in) :: limits
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
@@ -417,10 +443,15 @@ contains
                     axis('gear', '', 'pinion or gear', gear_names))
     if (allocated(error)) return
     call both('tangential_load_n', 'N', 'nominal load F_t on the reference circle', nominal%load)
-    call both('application_factor', '', 'K_A, of the case', factors%application)
-    call both('face_load_factor', '', 'K_H_beta, of the case', factors%face_load)
-    call both('root_face_load_factor', '', 'K_F_beta, ISO 6336-1, clause 7', nominal%root_face_load)
-    call both('transverse_load_factor', '', 'K_H_alpha and K_F_alpha, of the case', factors%transverse)
+    call both('application_factor', '', 'K_A, of the case', task%factors%application)
+    if (task%has_face) then
+      call both('face_load_factor', '', 'K_H_beta, by the load over the face width', task%factors%face_load)
+      call both('root_face_load_factor', '', 'K_F_beta, by the load over the face width', nominal%root_face_load)
+    else
+      call both('face_load_factor', '', 'K_H_beta, of the case', task%factors%face_load)
+      call both('root_face_load_factor', '', 'K_F_beta, ISO 6336-1, clause 7', nominal%root_face_load)
+    end if
+    call both('transverse_load_factor', '', 'K_H_alpha and K_F_alpha, of the case', task%factors%transverse)
     call both('zone_factor', '', 'Z_H, ISO 6336-2, clause 6', nominal%flank%zone)
     call table%add('single_pair_factor', '', 'Z_B of the pinion, Z_D of the gear, ISO 6336-2, clause 6', nominal%flank%single_pair)
     call both('elasticity_factor_sqrt_mpa', 'sqrt(MPa)', 'Z_E, ISO 6336-2, clause 7', nominal%flank%elasticity)
@@ -440,7 +471,7 @@ contains
                    [nominal%grade, nominal%grade])
     call both('pitch_deviation_um', 'um', 'f_pb after running in', of%pitch_deviation)
     call both('profile_deviation_um', 'um', 'f_f_alpha after running in', of%profile_deviation)
-    call add_limits(limits, table)
+    call add_limits(task%limits, table)
     call add_equal_flanks(stages%pair, 2, table)
 
   contains
@@ -506,6 +537,7 @@ contains
     class(rating_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
     integer :: grade
+    character(:), allocatable :: face
     character(:), allocatable :: ground(:)
 
     call lines%add('')
@@ -513,8 +545,11 @@ contains
                factors => self%tables(self%place('rating_factors')))
       call lines%add('Rating by ISO 6336, with K_v '//trim(signs(self%method)))
       grade = nint(factors%number('accuracy_grade', 1))
-      call lines%add('   K_A '//str(factors%number('application_factor', 1), 4)//', K_H_beta '// &
-                     trim(load_factor_text(factors%number('face_load_factor', 1)))//', K_H_alpha and K_F_alpha '// &
+      face = trim(load_factor_text(factors%number('face_load_factor', 1)))
+      if (self%has_face) face = str(factors%number('face_load_factor', 1), 4)//' and K_F_beta '// &
+        str(factors%number('root_face_load_factor', 1), 4)//' by the load over the face width'
+      call lines%add('   K_A '//str(factors%number('application_factor', 1), 4)//', K_H_beta '//face// &
+                     ', K_H_alpha and K_F_alpha '// &
                      trim(load_factor_text(factors%number('transverse_load_factor', 1)))//'; accuracy grade '//str(grade))
       ground = [of_gear(factors, 1), of_gear(factors, 2)]
       if (ground(1) == ground(2)) then

@@ -14,6 +14,7 @@ module test_rating_methods
   use gearsweep_api_tables, only: make_table
   use gearsweep_base_text, only: str
   use test_iso_rating, only: make, solve
+  use test_support_ask_by_name, only: answer_t, ask, refusal
   use test_support_testing, only: check_close, check_no_error, check_true, tally_t
   implicit none
   private
@@ -28,7 +29,46 @@ contains
     if (t%wants('deep_teeth')) call deep_teeth(t)
     if (t%wants('relief_and_grade')) call relief_and_grade(t)
     if (t%wants('beside_flank_and_life')) call beside_flank_and_life(t)
+    if (t%wants('over_the_face')) call over_the_face(t)
   end subroutine run
+
+  !> With &face or a lead K_H_beta and K_F_beta are those of the task face_load, and stresses grow with them as with stated ones;
+  !> without, and with a rigid and parallel face almost, they are 1.
+  subroutine over_the_face(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: gears = ' tasks = ''rating'', ''face_load'', ''life'' / &pair module_mm = 3 '// &
+      'face_width_mm = 30 / &pinion teeth = 25 / &load torque_nm = 250 / &mesh model = ''fe'' / &section elements_across = 6 / '// &
+      '&life rpm = 3000 duration_h = 1 / &rating rpm = 3000 material = ''C45'''
+    type(answer_t) :: plain, tilted, crowned
+    character(:), allocatable :: said
+    real(dp) :: face, root
+
+    call ask(t, '&case'//gears//' / &gear teeth = 38 /', plain)
+    call ask(t, '&case'//gears//' / &gear teeth = 38 / &face misalignment_um = 25 /', tilted)
+    call ask(t, '&case'//gears//' / &gear teeth = 38 crowning_um = 10 /', crowned)
+    call check_true(t, 'not computed', all(.not. abs(plain%all_of('rating_factors.face_load_factor') - 1) > 0))
+    face = tilted%one('face_load_summary.face_load_factor')
+    root = tilted%one('face_load_summary.root_face_load_factor')
+    call check_true(t, 'bending spreads the load', root > 1.1_dp .and. root < face, str(root)//' and '//str(face))
+    associate (h => tilted%all_of('rating_factors.face_load_factor'), f => tilted%all_of('rating_factors.root_face_load_factor'))
+      call check_close(t, 'K_H_beta', h(1), face, 1e-15_dp)
+      call check_close(t, 'K_F_beta', f(2), root, 1e-15_dp)
+    end associate
+    associate (of => tilted%all_of('rating.contact_stress_mpa'), without => plain%all_of('rating.contact_stress_mpa'))
+      call check_close(t, 'sigma_H', of(1), without(1)*sqrt(face))
+    end associate
+    associate (of => tilted%all_of('rating.root_stress_mpa'), without => plain%all_of('rating.root_stress_mpa'))
+      call check_close(t, 'sigma_F', of(2), without(2)*root)
+    end associate
+    associate (of => tilted%all_of('life_parts.contact_stress_mpa'), without => plain%all_of('life_parts.contact_stress_mpa'))
+      call check_close(t, 'contact stress of life', of(1), without(1)*sqrt(face))
+    end associate
+    associate (h => crowned%all_of('rating_factors.face_load_factor'))
+      call check_true(t, 'a lead alone', h(1) > 1.1_dp, str(h(1)))
+    end associate
+    said = refusal('&case'//gears//' face_load_factor = 1.2 / &gear teeth = 38 / &face misalignment_um = 25 /')
+    call check_true(t, 'both', index(said, '&rating face_load_factor: the load over the face width has it') == 1, said)
+  end subroutine over_the_face
 
   !> K_v by Method A is a ratio of loads of the same mesh: at creeping speed 1, and never less, below a contact ratio of 2 and
   !> above it, where one pair carries hardly more than half of the load. There sigma_H with it is no less than Hertz's pressure at
