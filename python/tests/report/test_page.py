@@ -163,7 +163,7 @@ def test_without_limits_there_are_no_safety_factors(tmp_path):
 
 def test_what_safety_factors_rest_on_stands_above_them(rated, tmp_path):
     answer = read(rated, tmp_path).text['Answer']
-    above = answer[answer.index('Rating by ISO 6336') : answer.index('sigma_H MPa')]
+    above = answer[answer.index('Rating by ISO 6336') : answer.index('stress MPa')]
     for words in ('K_v by the larger of Methods A (motion) and B (formula)', 'K_A 1,', 'K_H_beta 1 (not computed)', 'accuracy grade 5',
                   'pinion: sigma_HG 1400 MPa, sigma_FG 700 MPa, as stated', 'gear: sigma_HG 1300 MPa, sigma_FG 700 MPa, as stated'):  # fmt: skip
         assert words in above, words

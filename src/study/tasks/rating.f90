@@ -14,7 +14,6 @@ module gearsweep_study_tasks_rating
     load_factors_t, material_length, method_b_t, no_grade, nominal_of, nominal_t, resonance_ratio, root_life_curve, root_number, &
     test_gear_correction, tooth_root_stress
   use gearsweep_face, only: face_load_t
-  use gearsweep_face, only: face_load_t
   use gearsweep_study_case_face_keys, only: is_uneven
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
   use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless

@@ -292,7 +292,7 @@ contains
     call add('load torque_shares', '1, 3', 'g', by_torques//';optimum over_torques ''weighted'';load torque_shares 1, 1')
     call add('load torques_nm', '90, 100', 'g', by_torques)
     call add('face misalignment_um', '12', 'g')
-    call add('face misalignment_um', '12', 'g', 'mesh model ''fe'';face misalignment_um 5')
+    call add('face misalignment_um', '12', 'g', stated//'mesh model ''fe'';face misalignment_um 5')
     call add('face slices', '16', 'g')
     call add('face shaft_diameter_mm', '35', 'g', shaft//';face bearing_offset_mm 5')
     call add('face bearing_span_mm', '90', 'g', shaft//';face bearing_offset_mm 5')
