@@ -7,7 +7,7 @@ module gearsweep_face
   ! Face load factor of ISO 6336-1, method C, and the equivalent misalignment of the pinion's shaft.
   use gearsweep_face_iso, only: iso_face_load_factor, iso_shaft_misalignment
   ! Load distribution over the face width and the path of contact of a pair of spur gears.
-  use gearsweep_face_load, only: face_load_t, face_mesh_t, face_options_t, find_face_load, make_face_mesh
+  use gearsweep_face_load, only: face_load_t, face_mesh_t, find_face_load, make_face_mesh
   ! Deflection of the pinion's shaft over the face width.
   use gearsweep_face_shaft, only: far, near, shaft_t
   implicit none

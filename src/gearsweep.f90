@@ -20,7 +20,7 @@ module gearsweep
     root_stress_t, section_body_t, section_modes, section_options_t, section_t, vtu_field_t, write_vtu
   use gearsweep_mesh, only: find_harmonics, harmonics_t, iso_stiffness, mesh_t, polynomial_stiffness, share_load, sharing_t, &
     table_stiffness, weber_stiffness
-  use gearsweep_face, only: alignment_t, face_load_t, face_mesh_t, face_options_t, find_face_load, lead_t, make_face_mesh
+  use gearsweep_face, only: alignment_t, face_load_t, face_mesh_t, find_face_load, lead_t, make_face_mesh
   use gearsweep_motion, only: accuracy_t, attractor_options_t, attractor_t, attractors_t, branch_options_t, branch_t, change_t, &
     down, each, find_attractors, find_optimum, find_resonances, find_response, follow_branch, make_oscillator, optimum_t, &
     oscillator_t, peak_t, response_t, run_sweep, sample_section, section_points_t, sweep_options_t, sweep_t, up

@@ -21,7 +21,6 @@ module gearsweep_face_alignment
   contains
     procedure :: slope
     procedure :: gap
-    procedure :: mirrored
   end type alignment_t
 
   real(dp), parameter :: most_gap = 1e-3_dp, most_tilt = 0.1_dp
@@ -56,15 +55,6 @@ contains
       end associate
     end do
   end function gap
-
-  !> The same gap, seen from the other end of the face.
-  pure type(alignment_t) function mirrored(alignment)
-    class(alignment_t), intent(in) :: alignment
-
-    mirrored = alignment
-    mirrored%misalignment = -alignment%misalignment
-    mirrored%lead%slope = -alignment%lead%slope
-  end function mirrored
 
   !> Refuses gaps that are no deviations of gears any more, and end reliefs that overlap.
   pure subroutine check_alignment(alignment, width, error)

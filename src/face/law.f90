@@ -239,14 +239,14 @@ contains
 
   contains
 
-    !> Width of a slice at a distance from the nearest end or kink, in modules.
+    !> Wanted width of a slice (modules) at a distance (modules) from the nearest end or kink.
     pure real(dp) function desired(distance)
       real(dp), intent(in) :: distance
 
       desired = min(max(wide, finest), finest + growth*distance)
     end function desired
 
-    !> Number of slices between two fixed bounds: the integral of 1/desired. The middle of the face is no kink.
+    !> Number of slices of the wanted widths between two fixed bounds, not rounded. The middle of the face is no kink.
     pure real(dp) function steps(from, to, is_last)
       real(dp), intent(in) :: from, to
       logical, intent(in) :: is_last
@@ -258,6 +258,7 @@ contains
       end if
     end function steps
 
+    !> Number of slices of the wanted widths over a length (modules) from an end or kink: the integral of 1/desired.
     pure real(dp) function steps_within(length)
       real(dp), intent(in) :: length
       real(dp) :: turn
@@ -266,7 +267,7 @@ contains
       steps_within = log(1 + growth*turn/finest)/growth + (length - turn)/desired(length)
     end function steps_within
 
-    !> The `n` bounds after `from`, of which the last is `to`, at equal numbers of desired slices.
+    !> Ends of the `n` slices between the fixed bounds `from` and `to`: all are wider or narrower than wanted by the same factor.
     pure function places(from, to, n, is_last)
       real(dp), intent(in) :: from, to
       integer, intent(in) :: n
@@ -287,7 +288,7 @@ contains
       places(n) = to
     end function places
 
-    !> Distance after this number of desired slices.
+    !> Length (modules), from an end or kink, over this number of slices of the wanted widths: the inverse of `steps_within`.
     pure real(dp) function after(count)
       real(dp), intent(in) :: count
       real(dp) :: turn

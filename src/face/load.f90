@@ -6,34 +6,25 @@
 module gearsweep_face_load
   use gearsweep_base, only: code_input, dp, error_t, fail, pi, piecewise_t, str
   use gearsweep_gear, only: pair_t
-  use gearsweep_elastic, only: check_contact, fe_options_t, material_t, plane_compliance, plane_tooth_t, teeth_t
+  use gearsweep_elastic, only: check_contact, contact_half_width, fe_options_t, material_t, plane_compliance, plane_tooth_t, teeth_t
   use gearsweep_face_contact, only: flat_t, solve_contact
   use gearsweep_face_law, only: even_half_space, face_law_t, graded_slices, make_face_law, root_spread, tooth_remainder
   use gearsweep_face_alignment, only: alignment_t, check_alignment
   use gearsweep_face_shaft, only: check_shaft, shaft_t
   implicit none
   private
-  public :: face_mesh_t, face_load_t, face_options_t, make_face_mesh, find_face_load
+  public :: face_mesh_t, face_load_t, make_face_mesh, find_face_load
 
-  !> A pair of spur gears, as its load distribution depends on it. Of gears with a geometry `make_face_mesh` fills it in.
+  !> A pair of spur gears, as its load distribution depends on it; of gears with a geometry `make_face_mesh` fills it in.
   type :: face_mesh_t
-    real(dp) :: module = 0                       !< m
+    type(pair_t) :: pair                         !< path of contact, radii of curvature, module
+    type(material_t) :: material(2)
     real(dp) :: width = 0                        !< common face width b, m
-    real(dp) :: contact_ratio = 0
-    real(dp) :: base_pitch = 0                   !< m
-    !> Radii of curvature at A, of the pinion and of both flanks together, m.
-    real(dp) :: start_curvature = 0, both_curvatures = 0
     type(plane_tooth_t) :: tooth(2)              !< plane compliance of pinion and gear, its path coordinate from A to E
     type(piecewise_t) :: profile_error           !< gap of a pair over the path, m; not allocated: 0
   contains
-    procedure :: reduced_radius
-    procedure :: half_width_squared
+    procedure :: half_width
   end type face_mesh_t
-
-  type :: face_options_t
-    integer :: slices = 0                        !< about this number over the face; 0: automatic, 0.35 to 1 module wide
-    integer :: phases = 32                       !< about this number of mesh phases
-  end type face_options_t
 
   !> Load distribution over a mesh period. Phases include both ends of each interval with the same number of pairs, so that values
   !> jump between two rows of one phase. `per` is the load over the face width, F/b.
@@ -79,73 +70,60 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(piecewise_t), intent(in), optional :: profile_error
     type(teeth_t), intent(inout), optional :: teeth
-    integer :: i
 
-    mesh%module = pair%gear(1)%spec%module
-    mesh%width = minval([(pair%gear(i)%spec%face_width, i=1, 2)])
-    mesh%contact_ratio = pair%contact_ratio
-    mesh%base_pitch = pair%base_pitch
-    mesh%start_curvature = pair%start_curvature
-    mesh%both_curvatures = pair%curvature(1, 0.0_dp) + pair%curvature(2, 0.0_dp)
+    mesh%pair = pair
+    mesh%material = material
+    mesh%width = minval(pair%gear%spec%face_width)
     if (present(profile_error)) mesh%profile_error = profile_error
     call plane_compliance(pair, material, options, mesh%tooth, error, teeth)
   end subroutine make_face_mesh
 
-  !> Radius of curvature (m) of a cylinder on a plane that has the contact at path coordinate `s`.
-  elemental real(dp) function reduced_radius(mesh, s)
+  !> Half width (m) of the contact at path coordinate `s` under a `line_load` (N/m).
+  elemental real(dp) function half_width(mesh, s, line_load)
     class(face_mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: s
+    real(dp), intent(in) :: s, line_load
 
-    associate (first => mesh%start_curvature + s*mesh%base_pitch)
-      reduced_radius = first*(mesh%both_curvatures - first)/mesh%both_curvatures
-    end associate
-  end function reduced_radius
+    half_width = contact_half_width(mesh%material(1), mesh%material(2), .true., line_load, mesh%pair%curvature(1, s), &
+                                    mesh%pair%curvature(2, s))
+  end function half_width
 
-  !> Square of the half width of contact per line load (m3/N) at path coordinate `s`. Source: Johnson 1985, Contact Mechanics,
-  !> Eq. 4.43.
-  elemental real(dp) function half_width_squared(mesh, s)
-    class(face_mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: s
-
-    half_width_squared = 4*mesh%reduced_radius(s)/pi*(1/mesh%tooth(1)%modulus + 1/mesh%tooth(2)%modulus)
-  end function half_width_squared
-
-  !> Finds the load distribution of `mesh` with these faces under a `load` (N on the line of action), on a rigid `shaft` or one that
-  !> deflects.
+  !> Finds the load of each pair over the face width at phases of a mesh period, under a `load` (N on the line of action).
   !>
   !> `error`: a face narrower than three modules, faces that cannot meet so (`check_alignment`), a contact wider than a module.
-  subroutine find_face_load(mesh, alignment, load, product, error, options, shaft)
+  subroutine find_face_load(mesh, alignment, load, product, error, slices, shaft)
     type(face_mesh_t), intent(in) :: mesh
-    type(alignment_t), intent(in) :: alignment
+    type(alignment_t), intent(in) :: alignment   !< misalignment and leads
     real(dp), intent(in) :: load
     type(face_load_t), intent(out) :: product
     type(error_t), allocatable, intent(out) :: error
-    type(face_options_t), intent(in), optional :: options
-    type(shaft_t), intent(in), optional :: shaft  !< of the pinion
-    type(face_options_t) :: wanted
+    integer, intent(in), optional :: slices      !< about this number over the face; absent or 0: 0.35 to 1 module wide
+    type(shaft_t), intent(in), optional :: shaft           !< of the pinion, which deflects; absent: rigid
     type(face_law_t) :: law(2)
     real(dp) :: half_width
-    integer :: i
+    integer :: i, wanted
 
-    if (present(options)) wanted = options
-    if (.not. load > 0) call fail(error, code_input, 'load (N) = '//str(load)//': must be above 0')
-    if (.not. mesh%width >= least_width*mesh%module) call fail(error, code_input, 'face width (mm) = '//str(1000*mesh%width)// &
-      ': must be at least '//str(least_width)//' modules for a load distribution over it')
-    call check_alignment(alignment, mesh%width, error)
-    if (present(shaft)) call check_shaft(shaft, mesh%width, error)
-    if (allocated(error)) return
-    half_width = sqrt(load/mesh%width*maxval(mesh%half_width_squared(mesh%contact_ratio*[0.0_dp, 0.5_dp, 1.0_dp])))
-    call check_contact(half_width, mesh%module, load/mesh%width, error)
-    if (allocated(error)) return
-    associate (bounds => graded_slices(mesh%width, mesh%module, [alignment%lead%end_relief_length], &
-                                       slice_over_contact*half_width, wanted%slices))
-      allocate (product%bounds(0:size(bounds) - 1), source=bounds)
+    wanted = 0
+    if (present(slices)) wanted = slices
+    associate (module => mesh%pair%gear(1)%spec%module, path => mesh%pair%contact_ratio*[0.0_dp, 0.5_dp, 1.0_dp])
+      if (.not. load > 0) call fail(error, code_input, 'load (N) = '//str(load)//': must be above 0')
+      if (.not. mesh%width >= least_width*module) call fail(error, code_input, 'face width (mm) = '//str(1000*mesh%width)// &
+        ': must be at least '//str(least_width)//' modules for a load distribution over it')
+      call check_alignment(alignment, mesh%width, error)
+      if (present(shaft)) call check_shaft(shaft, mesh%width, error)
+      if (allocated(error)) return
+      half_width = maxval(mesh%half_width(path, load/mesh%width))
+      call check_contact(half_width, module, load/mesh%width, error)
+      if (allocated(error)) return
+      associate (bounds => graded_slices(mesh%width, module, [alignment%lead%end_relief_length], slice_over_contact*half_width, &
+                                         wanted))
+        allocate (product%bounds(0:size(bounds) - 1), source=bounds)
+      end associate
     end associate
     product%gap = alignment%gap(mesh%width, product%middle())
     if (present(shaft)) product%gap = product%gap + shaft%gap(load, mesh%width, product%middle())
     call find_law(mesh, product%bounds, law, error)
     if (allocated(error)) return
-    call place_phases(mesh%contact_ratio, wanted%phases, size(product%gap), product)
+    call place_phases(mesh%pair%contact_ratio, size(product%gap), product)
     do i = 1, size(product%phase)
       call solve_phase(mesh, law, load, i, product, error)
       if (allocated(error)) return
@@ -192,7 +170,7 @@ contains
     integer :: i
 
     do i = 1, 2
-      associate (tooth => mesh%tooth(i), half => mesh%contact_ratio/2)
+      associate (tooth => mesh%tooth(i), half => mesh%pair%contact_ratio/2)
         shared = tooth%modulus*shared_at(tooth, half)
         remainder = tooth_remainder(tooth%modulus*tooth%compliance%value(half), shared)
       end associate
@@ -202,16 +180,17 @@ contains
                   str(even_half_space + shared))
         return
       end if
-      call make_face_law(bounds/mesh%module, remainder, shared, law(i))
+      call make_face_law(bounds/mesh%pair%gear(1)%spec%module, remainder, shared, law(i))
     end do
   end subroutine find_law
 
   !> Chooses the phases: in equal steps over each interval with the same number of pairs, an even number of steps; the last
   !> interval has the fewest pairs. Shares are those of the trapezoidal rule.
-  pure subroutine place_phases(contact_ratio, phases, slices, product)
+  pure subroutine place_phases(contact_ratio, slices, product)
     real(dp), intent(in) :: contact_ratio
-    integer, intent(in) :: phases, slices
+    integer, intent(in) :: slices
     type(face_load_t), intent(inout) :: product
+    integer, parameter :: phases = 32            ! about this number
     real(dp) :: ends(3)
     integer :: i, k, n
 
@@ -247,22 +226,23 @@ contains
 
     n = size(product%gap)
     pairs = product%pairs(row)
-    s = min(product%phase(row) + [(j, j=0, pairs - 1)], mesh%contact_ratio)
+    s = min(product%phase(row) + [(j, j=0, pairs - 1)], mesh%pair%contact_ratio)
     do j = 1, pairs
       own = n*(j - 1) + [(i, i=1, n)]
       width(own) = product%bounds(1:) - product%bounds(:n - 1)
       gap(own) = product%gap
       if (allocated(mesh%profile_error%breaks)) gap(own) = product%gap + mesh%profile_error%value(s(j))
-      square(own) = mesh%half_width_squared(s(j))
+      square(own) = mesh%half_width(s(j), 1.0_dp)**2
       compliance(own, own) = of_line(s(j))
       do k = j + 1, pairs
         compliance(own, own + n*(k - j)) = between_lines(s(j), k - j)
         compliance(own + n*(k - j), own) = compliance(own, own + n*(k - j))
       end do
     end do
-    flat = flat_t(2/pi*sum(1/[mesh%tooth%modulus]), square/mesh%module**2)
-    call solve_contact(mesh%module*compliance, width, gap, flat, load, product%error(row), line_load, product%stiffness(row), &
-                       error)
+    associate (module => mesh%pair%gear(1)%spec%module)
+      flat = flat_t(2/pi*sum(1/[mesh%tooth%modulus]), square/module**2)
+      call solve_contact(module*compliance, width, gap, flat, load, product%error(row), line_load, product%stiffness(row), error)
+    end associate
     if (allocated(error)) return
     turn = sum([mesh%tooth%turn])/mesh%width
     product%error(row) = product%error(row) + turn*load
@@ -270,7 +250,7 @@ contains
     product%line_load(:, :pairs, row) = reshape(line_load, [n, pairs])
     where (line_load > 0) line_load = 2*sqrt(line_load/square)/pi
     product%pressure(:, :pairs, row) = reshape(line_load, [n, pairs])
-    product%factor(row) = largest_mean(product%bounds, product%load_at(row), mesh%module)/(load/mesh%width)
+    product%factor(row) = largest_mean(product%bounds, product%load_at(row), mesh%pair%gear(1)%spec%module)/(load/mesh%width)
 
   contains
 
@@ -301,7 +281,7 @@ contains
       do i = 1, 2
         associate (tooth => mesh%tooth(i))
           shared = shared + (shared_at(tooth, s) - merge(tooth%decline, 0.0_dp, later > 1))*law(i)%body
-              end associate
+        end associate
       end do
     end function between_lines
   end subroutine solve_phase
@@ -319,11 +299,11 @@ contains
     do i = 1, size(product%phase)
       mean = mean + product%share(i)*product%load_at(i)
     end do
-    product%mean_factor = largest_mean(product%bounds, mean, mesh%module)/per
+    product%mean_factor = largest_mean(product%bounds, mean, mesh%pair%gear(1)%spec%module)/per
     i = maxloc(product%factor, 1)
     product%worst_factor = product%factor(i)
     product%worst_phase = product%phase(i)
-    associate (b => product%bounds, m => mesh%module)
+    associate (b => product%bounds, m => mesh%pair%gear(1)%spec%module)
       edge = [load_between(b, mean, 0.0_dp, m), load_between(b, mean, mesh%width - m, mesh%width)]
       product%edge_load = maxval(edge)/(m*per)
     end associate
@@ -336,7 +316,7 @@ contains
       product%in_contact = sum(product%bounds(1:) - product%bounds(:n - 1), mask=product%load_at(single) > 0)/mesh%width
     end associate
     product%largest_pressure = maxval(product%pressure)
-    spread = root_spread(product%bounds/mesh%module)
+    spread = root_spread(product%bounds/mesh%pair%gear(1)%spec%module)
     product%root_factor = max(root_factor(product%line_load(:, product%pairs(last), last)), &
                               root_factor(product%line_load(:, 1, first)))
 

@@ -21,7 +21,6 @@ module gearsweep_face_shaft
   contains
     procedure :: gap
     procedure :: offset_to_torque
-    procedure :: mirrored
   end type shaft_t
 
   !> Mean shear over the largest of a circular section. Source: Timoshenko 1955, Strength of Materials I, section 39.
@@ -35,15 +34,6 @@ contains
 
     offset_to_torque = merge(-1, 1, shaft%torque_side == near)*shaft%offset
   end function offset_to_torque
-
-  !> The same shaft, seen from its other end.
-  pure type(shaft_t) function mirrored(shaft)
-    class(shaft_t), intent(in) :: shaft
-
-    mirrored = shaft
-    mirrored%offset = -shaft%offset
-    mirrored%torque_side = merge(far, near, shaft%torque_side == near)
-  end function mirrored
 
   !> Gap (m) between the flanks at places `z` along a face `width`, m, under an even `load` (N on the line of action): 0 where they
   !> are nearest. Twist brings them nearer where the torque enters, bending at both ends of the face and next to a bearing.

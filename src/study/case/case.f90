@@ -10,7 +10,16 @@ module gearsweep_study_case_case
   use gearsweep_study_reader_reader, only: sentence_length, text_unless
   implicit none
   private
-  public :: case_t, for_iso, for_stage, speed_count, speeds
+  public :: case_t, faces_t, for_iso, for_stage, speed_count, speeds
+
+  !> How the faces of the gears meet.
+  type :: faces_t
+    type(alignment_t) :: alignment               !< misalignment, and the leads of both gears
+    type(shaft_t) :: shaft                       !< of the pinion; in a case without the pinion's numbers
+    integer :: slices = 0                        !< slices of the face; 0: automatic
+  contains
+    procedure :: are_uneven
+  end type faces_t
 
   type :: case_t
     character(:), allocatable :: text            !< as read
@@ -28,11 +37,7 @@ module gearsweep_study_case_case
     real(dp) :: mass(2) = 0, inertia(2) = 0      !< effective mass, kg, and polar inertia, kg m^2; 0: not stated
     real(dp) :: hub_inertia(2) = 0               !< inertia at the bores, without the gears' own, kg m^2
     type(material_t) :: material(2)              !< materials of pinion and gear
-    ! &face, and the leads of the gears
-    type(alignment_t) :: alignment
-    type(shaft_t) :: shaft                       !< numbers of &face only, without those of the pinion
-    integer :: slices = 0                        !< 0: automatic
-    logical :: has_face = .false.                !< true if the case states any of these
+    type(faces_t) :: faces                       !< &face, and the leads of &pinion and &gear
     ! &load, exactly one of these
     real(dp) :: torque = 0, normal_force = 0, line_load = 0
     real(dp), allocatable :: torques(:)          !< torques, N m; if allocated, `torque` is the largest
@@ -70,6 +75,7 @@ module gearsweep_study_case_case
     procedure :: requests
     procedure :: has_relief
     procedure :: needs
+    procedure :: needs_face_load
     procedure :: tasks_for
     procedure :: needs_elements
     procedure :: stiffness_body
@@ -79,6 +85,23 @@ module gearsweep_study_case_case
   end type case_t
 
 contains
+
+  !> True if a misalignment, a lead, or a shaft that deflects makes the faces meet unevenly.
+  pure logical function are_uneven(faces)
+    class(faces_t), intent(in) :: faces
+
+    associate (lead => faces%alignment%lead)
+      are_uneven = abs(faces%alignment%misalignment) > 0 .or. any(abs(lead%slope) > 0) .or. any(abs(lead%crowning) > 0) .or. &
+                   any(lead%end_relief > 0) .or. faces%shaft%span > 0
+    end associate
+  end function are_uneven
+
+  !> True if a task computes the load over the face width or uses it: other tasks than `face_load` where it is uneven.
+  pure logical function needs_face_load(case)
+    class(case_t), intent(in) :: case
+
+    needs_face_load = case%requests('face_load') .or. (case%faces%are_uneven() .and. case%needs(stage%face))
+  end function needs_face_load
 
   !> Requests these tasks and no others.
   subroutine request(self, tasks)

@@ -30,7 +30,7 @@ contains
         ' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     end do
     if (case%prescribed) call check_prescribed(case, error)
-    if (case%requests('face_load') .or. (case%has_face .and. case%needs(stage%face))) call check_face(case, error)
+    if (case%needs_face_load()) call check_face(case, error)
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &

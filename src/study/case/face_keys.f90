@@ -1,28 +1,17 @@
 !> Keys of the load over the face width: &face, and the leads of &pinion and &gear.
 module gearsweep_study_case_face_keys
   use gearsweep_base, only: code_input, error_t, fail, dp
-  use gearsweep_face, only: alignment_t, far, lead_t, near, shaft_t
+  use gearsweep_face, only: far, lead_t, near
   use gearsweep_study_case_case, only: case_t, for_stage
   use gearsweep_study_case_task, only: gear_names, stage
   use gearsweep_study_reader_reader, only: first_nonblank, needs_gears, reader_t, sentence_length, text_unless
   implicit none
   private
-  public :: is_uneven, read_face
+  public :: read_face
 
   real(dp), parameter :: most = 1000             !< um
 
 contains
-
-  !> True if faces do not meet evenly: by misalignment, a lead, or a shaft that deflects.
-  pure logical function is_uneven(alignment, shaft)
-    type(alignment_t), intent(in) :: alignment
-    type(shaft_t), intent(in) :: shaft
-
-    associate (lead => alignment%lead)
-      is_uneven = abs(alignment%misalignment) > 0 .or. any(abs(lead%slope) > 0) .or. any(abs(lead%crowning) > 0) .or. &
-                  any(lead%end_relief > 0) .or. shaft%span > 0
-    end associate
-  end function is_uneven
 
   !> Reads &face and the leads of both gears.
   subroutine read_face(reader, case, error)
@@ -36,21 +25,21 @@ contains
     users = case%tasks_for(stage%face)
     unused_without = for_stage(case, stage%face)
     do i = 1, 2
-      call read_lead(trim(gear_names(i)), case%alignment%lead(i))
+      call read_lead(trim(gear_names(i)), case%faces%alignment%lead(i))
     end do
-    call reader%get('face', 'misalignment_um', case%alignment%misalignment, error, unit='um', tasks=users, &
+    call reader%get('face', 'misalignment_um', case%faces%alignment%misalignment, error, unit='um', tasks=users, &
                     unused_without=unused_without, not_allowed=geared, at_least=-most, at_most=most, &
                     meaning='misalignment on the line of action over the face width; positive: the flanks are nearer at '// &
                     'the end z = 0, from which face_load counts')
     call read_shaft()
-    case%has_face = is_uneven(case%alignment, case%shaft)
-    call reader%get('face', 'slices', case%slices, error, tasks=users, &
-                    unused_without=first_nonblank(unused_without, text_unless(case%has_face .or. case%requests('face_load'), &
+    call reader%get('face', 'slices', case%faces%slices, error, tasks=users, &
+                    unused_without=first_nonblank(unused_without, text_unless(case%needs_face_load(), &
                     'face_load, a misalignment, a lead or a shaft')), not_allowed=geared, &
                     at_least=8, at_most=200, default_note='automatic, 0.35 to 1 module wide', &
                     meaning='about how many slices of the face have a load of their own')
-    if (case%has_face .and. reader%has('rating', 'face_load_factor') .and. len_trim(unused_without) == 0) call fail(error, &
-      code_input, '&rating face_load_factor: the load over the face width has it, with &face or a lead of a gear; remove it')
+    if (case%faces%are_uneven() .and. reader%has('rating', 'face_load_factor') .and. len_trim(unused_without) == 0) &
+      call fail(error, code_input, '&rating face_load_factor: the load over the face width has it, with &face or '// &
+        'a lead of a gear; remove it')
 
   contains
 
@@ -81,7 +70,7 @@ contains
       character(*), parameter :: keys(3) = [character(17) :: 'shaft_diameter_mm', 'bearing_span_mm', 'torque_side']
       integer :: i
 
-      associate (shaft => case%shaft)
+      associate (shaft => case%faces%shaft)
         call reader%get('face', 'shaft_diameter_mm', shaft%diameter, error, unit='mm', is_stated=given(1), tasks=users, &
                         unused_without=unused_without, not_allowed=geared, above=0.0_dp, at_most=1e5_dp, &
                         default_note='none, a rigid shaft', &

@@ -2,7 +2,7 @@
 module gearsweep_study_run_face_stage
   use gearsweep_base, only: claim_memory, dp, error_t, str
   use gearsweep_elastic, only: teeth_t
-  use gearsweep_face, only: face_load_t, face_mesh_t, face_options_t, find_face_load, make_face_mesh
+  use gearsweep_face, only: face_load_t, face_mesh_t, find_face_load, make_face_mesh
   use gearsweep_study_run_stages, only: stages_t
   implicit none
   private
@@ -31,8 +31,7 @@ contains
     allocate (loads(size(stages%motion)))
     do i = 1, size(loads)
       mesh%profile_error = stages%motion(i)%mesh%profile_error
-      call find_face_load(mesh, stages%face%alignment, stages%load, loads(i), error, face_options_t(slices=stages%face%slices), &
-                          stages%face%shaft)
+      call find_face_load(mesh, stages%faces%alignment, stages%load, loads(i), error, stages%faces%slices, stages%faces%shaft)
       if (allocated(error)) return
     end do
   end subroutine find_face_loads

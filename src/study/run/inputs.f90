@@ -8,13 +8,13 @@ module gearsweep_study_run_inputs
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_base, only: dp, piecewise_t
   use gearsweep_gear, only: gear_t, pair_t
-  use gearsweep_face, only: alignment_t, shaft_t
   use gearsweep_elastic, only: disc_t, fe_options_t, flattening_t, material_t, section_options_t
   use gearsweep_motion, only: steady_choice_t, step_choice_t
+  use gearsweep_study_case_case, only: faces_t
   implicit none
   private
   public :: elements_inputs_t, body_inputs_t, unit_inputs_t, relief_inputs_t, motion_inputs_t
-  public :: face_inputs_t, motions_inputs_t, choice_t, same, same_but_amounts
+  public :: motions_inputs_t, choice_t, same, same_but_amounts
 
   !> Inputs of the pair stiffness by finite elements, with its disc.
   type :: elements_inputs_t
@@ -31,13 +31,6 @@ module gearsweep_study_run_inputs
     type(section_options_t) :: options = section_options_t()  !< of the section
     real(dp) :: web = 0, rim = 0                 !< thicknesses of the body, m; 0: a solid disc
   end type body_inputs_t
-
-  !> Inputs of the load over the face width apart from those of the mesh.
-  type :: face_inputs_t
-    type(alignment_t) :: alignment
-    type(shaft_t) :: shaft
-    integer :: slices = 0                        !< 0: automatic
-  end type face_inputs_t
 
   !> Inputs of the root stress under unit loads.
   type :: unit_inputs_t
@@ -121,7 +114,7 @@ contains
   end function same_bodies
 
   pure logical function same_faces(a, b) result(same)
-    type(face_inputs_t), intent(in) :: a, b
+    type(faces_t), intent(in) :: a, b
     character(storage_size(a)) :: words(2)
 
     write (words(1), written) a

@@ -6,12 +6,13 @@ module gearsweep_study_run_stages
   use gearsweep_base, only: dp, error_t, str
   use gearsweep_gear, only: pair_t
   use gearsweep_elastic, only: make_two_grids, material_t, modal_t, section_body_t, section_modes, teeth_t
+  use gearsweep_face, only: face_load_t
   use gearsweep_mesh, only: iso_options_t, mesh_t
   use gearsweep_motion, only: accuracy_t, all_motions, both, counter_t, each, oscillator_t, progress_of_sweep, sweep_options_t
-  use gearsweep_study_case_case, only: case_t
+  use gearsweep_study_case_case, only: case_t, faces_t
   use gearsweep_study_case_published, only: published_t
   use gearsweep_study_case_task, only: stage, task_slot_t, task_t
-  use gearsweep_study_run_inputs, only: body_inputs_t, elements_inputs_t, face_inputs_t, motions_inputs_t
+  use gearsweep_study_run_inputs, only: body_inputs_t, elements_inputs_t, motions_inputs_t
   implicit none
   private
   public :: runnable_t, running_t, stages_t, points_of, study_t
@@ -42,7 +43,8 @@ module gearsweep_study_run_stages
     integer :: gear = 1                        !< gear whose section is analysed: 1 pinion, 2 gear
     type(body_inputs_t) :: body_inputs           !< inputs of its section
     type(body_inputs_t) :: solid_inputs          !< inputs of its body in three dimensions
-    type(face_inputs_t) :: face                  !< how the faces meet: misalignment, leads, shaft of the pinion
+    type(faces_t) :: faces                       !< how the faces meet: misalignment, leads, shaft of the pinion
+    type(face_load_t), allocatable :: face_loads(:)        !< load over the face width with each relief
     type(elements_inputs_t), allocatable :: elements_inputs  !< inputs of the pair stiffness, if it is by finite elements
     type(teeth_t) :: teeth                       !< teeth by finite elements: those of this pair, and some of earlier studies
     type(mesh_t), allocatable :: mesh            !< mesh without relief

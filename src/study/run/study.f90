@@ -3,14 +3,17 @@
 module gearsweep_study_run_study
   use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_ptr
   use gearsweep_base, only: claim_memory, dp, error_t, hold_blas, release_blas, release_claim, str, wants_stop
-  use gearsweep_gear, only: drive, pair_t
+  use gearsweep_gear, only: drive, gear_t
+  use gearsweep_elastic, only: material_t
+  use gearsweep_face, only: shaft_t
   use gearsweep_motion, only: progress_of_sweep, untold
   use gearsweep_study_case_case, only: case_t, speed_count, speeds
   use gearsweep_study_case_key_names, only: name_key
   use gearsweep_study_case_published, only: read_published
   use gearsweep_study_case_task, only: stage, task_info_t, task_slot_t
+  use gearsweep_study_run_face_stage, only: find_face_loads
   use gearsweep_study_run_files, only: path_in, read_text
-  use gearsweep_study_run_inputs, only: body_inputs_t, choice_t, face_inputs_t, same, same_but_amounts
+  use gearsweep_study_run_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
   use gearsweep_study_run_mesh_stage, only: build_pair, mesh_and_motion
   use gearsweep_study_run_stages, only: points_of, runnable_t, study_t
   implicit none
@@ -89,12 +92,14 @@ contains
         study%body_inputs = body_inputs_t(study%pair%gear(case%gear), case%material(case%gear), case%section)
         study%solid_inputs = body_inputs_t(study%pair%gear(case%gear), case%material(case%gear), &
                                            web=case%iso%web_thickness(case%gear), rim=case%iso%rim_thickness(case%gear))
-        study%face = face_inputs_of(case, study%pair)
+        study%faces = case%faces
+        call complete_shaft(study%pair%gear(1), case%material(1), study%faces%shaft)
       end if
       call read_files(study, folder, error)
       if (allocated(error)) return
       if (case%needs(stage%mesh)) then
         call mesh_and_motion(study, folder, error, earlier)
+        if (case%needs_face_load()) call find_face_loads(study%stages_t, study%face_loads, error)
       else
         call study%running%note('mesh and motion left out: no task needs them')
       end if
@@ -123,20 +128,18 @@ contains
     end associate
   end subroutine run_stages
 
-  !> How the faces of a pair meet; the pinion twists within its reference diameter less the dedendum of the rack on one side.
-  pure type(face_inputs_t) function face_inputs_of(case, pair) result(inputs)
-    type(case_t), intent(in) :: case
-    type(pair_t), intent(in) :: pair
+  !> Completes the shaft by the pinion's numbers: it twists within its reference diameter less the dedendum of the rack on one side.
+  pure subroutine complete_shaft(gear, material, shaft)
+    type(gear_t), intent(in) :: gear             ! pinion
+    type(material_t), intent(in) :: material
+    type(shaft_t), intent(inout) :: shaft
 
-    inputs = face_inputs_t(case%alignment, case%shaft, case%slices)
-    associate (shaft => inputs%shaft, gear => pair%gear(1))
-      shaft%pinion_diameter = 2*gear%reference_radius
-      shaft%core_diameter = 2*gear%reference_radius - gear%spec%dedendum*gear%spec%module
-      shaft%base_radius = gear%base_radius(drive)
-      shaft%young = case%material(1)%young
-      shaft%poisson = case%material(1)%poisson
-    end associate
-  end function face_inputs_of
+    shaft%pinion_diameter = 2*gear%reference_radius
+    shaft%core_diameter = 2*gear%reference_radius - gear%spec%dedendum*gear%spec%module
+    shaft%base_radius = gear%base_radius(drive)
+    shaft%young = material%young
+    shaft%poisson = material%poisson
+  end subroutine complete_shaft
 
   !> Reads the files of the case's tasks.
   subroutine read_files(study, folder, error)
@@ -271,7 +274,7 @@ contains
     type(task_slot_t), intent(in) :: slot
 
     known = .true.
-    if (slot%needs(stage%face)) known = same(study%face, earlier%face)
+    if (slot%needs(stage%face)) known = same(study%faces, earlier%faces)
     if (slot%needs(stage%body)) known = known .and. same(study%body_inputs, earlier%body_inputs)
     if (slot%needs(stage%solid)) known = known .and. same(study%solid_inputs, earlier%solid_inputs)
     associate (a => study%material, b => earlier%material)

@@ -4,7 +4,6 @@ module gearsweep_study_tasks_face_load
   use gearsweep_face, only: face_load_t, iso_face_load_factor, iso_shaft_misalignment
   use gearsweep_mesh, only: iso_stiffness
   use gearsweep_study_case_task, only: stage, task_info_t
-  use gearsweep_study_run_face_stage, only: find_face_loads
   use gearsweep_study_run_points, only: of_relief
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
@@ -32,15 +31,15 @@ contains
     class(face_load_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
-    type(face_load_t), allocatable :: loads(:)
 
-    call find_face_loads(stages, loads, error)
     if (allocated(error)) return
-    call fill_load(stages, loads, self%tables(self%place('face_load')), error)
-    call fill_phases(stages, loads, self%tables(self%place('face_load_phases')), error)
-    call fill_summary(stages, loads, self%tables(self%place('face_load_summary')), error)
-    self%is_done = .true.
-    self%log = 'face_load: load over '//str(size(loads(1)%gap))//' slices of the face'
+    associate (loads => stages%face_loads)
+      call fill_load(stages, loads, self%tables(self%place('face_load')), error)
+      call fill_phases(stages, loads, self%tables(self%place('face_load_phases')), error)
+      call fill_summary(stages, loads, self%tables(self%place('face_load_summary')), error)
+      self%is_done = .true.
+      self%log = 'face_load: load over '//str(size(loads(1)%gap))//' slices of the face'
+    end associate
   end subroutine run
 
   !> Fills the load of each pair on each slice.
@@ -117,6 +116,8 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     type(piecewise_t) :: stiffness
+    ! Part of f_sh in the misalignment before running in. Source: ISO 6336-1:2006, 7.5.2.
+    real(dp), parameter :: of_shaft = 1.33_dp
     real(dp) :: width, mesh_stiffness, slope, shaft
     integer :: i, m
 
@@ -125,9 +126,9 @@ contains
     width = minval(stages%pair%gear%spec%face_width)
     call iso_stiffness(stages%pair, stages%material, stages%load/width, stiffness, error, stages%iso)
     if (allocated(error)) return
-    mesh_stiffness = stiffness%maximum()/width*(0.75_dp*stages%pair%contact_ratio + 0.25_dp)
-    slope = stages%face%alignment%slope()
-    shaft = iso_shaft_misalignment(stages%face%shaft, stages%load/width, width)
+    mesh_stiffness = stiffness%integral(0.0_dp, stages%pair%contact_ratio)/width
+    slope = stages%faces%alignment%slope()
+    shaft = iso_shaft_misalignment(stages%faces%shaft, stages%load/width, width)
     call table%over('face load factors for each relief', error, axis('relief_um', 'um', of_relief, stages%amount))
     if (allocated(error)) return
     call table%add('face_load_factor', '', 'K_H_beta in the middle of contact of the fewest pairs: largest load on one module '// &
@@ -152,10 +153,10 @@ contains
                    [(sum(loads(i)%share*loads(i)%stiffness), i=1, m)])
     call table%add('misalignment_um', 'um', 'misalignment with both lead slopes', spread(slope, 1, m))
     call table%add('shaft_gap_um', 'um', 'largest gap by twist and bending of pinion and shaft; 0 for a rigid shaft', &
-                   [(maxval(stages%face%shaft%gap(stages%load, width, loads(i)%middle())), i=1, m)])
+                   [(maxval(stages%faces%shaft%gap(stages%load, width, loads(i)%middle())), i=1, m)])
     call table%add('iso_shaft_misalignment_um', 'um', 'f_sh of ISO 6336-1 for that shaft', spread(shaft, 1, m))
     call table%add('iso_face_load_factor', '', 'K_H_beta of ISO 6336-1, method C, for the misalignment and 1.33 f_sh, without '// &
-                   'crowning, end relief and running in', spread(iso_face_load_factor(abs(slope) + 1.33_dp*shaft, mesh_stiffness, &
+                   'crowning, end relief and running in', spread(iso_face_load_factor(abs(slope) + of_shaft*shaft, mesh_stiffness, &
                                                                                      stages%load/width), 1, m))
   end subroutine fill_summary
 

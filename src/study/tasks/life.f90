@@ -7,7 +7,6 @@ module gearsweep_study_tasks_life
   use gearsweep_motion, only: has_result, oscillator_t, response_t, status_ok, status_stopped
   use gearsweep_rating, only: by_gerber, by_goodman, by_iso, by_soderberg, contact_stress, curve_t, damage_of, dynamic_factor_a, &
     load_factors_t, material_length, no_grade, nominal_of, nominal_t, root_life, root_life_t, sn_curve, strength_t
-  use gearsweep_study_case_face_keys, only: is_uneven
   use gearsweep_study_case_task, only: case_facts_t, check_reliefs, gear_names, needs_moving, stage, task_info_t
   use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_case_variation, only: case_variation_t, vary_force
@@ -15,7 +14,7 @@ module gearsweep_study_tasks_life
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_motion, known_count, of_factor, &
     of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
-  use gearsweep_study_tasks_rating, only: add_life_curves, find_face_factor, largest_share, limits_t, read_load_factors, &
+  use gearsweep_study_tasks_rating, only: add_life_curves, face_load_factor, largest_share, limits_t, read_load_factors, &
     read_material
   implicit none
   private
@@ -447,9 +446,7 @@ contains
 
     if (allocated(error)) return
     self%rule%factors%application = stages%iso%application_factor
-    if (self%rule%has_contact() .and. is_uneven(stages%face%alignment, stages%face%shaft)) &
-      call find_face_factor(stages, self%rule%factors, error)
-    if (allocated(error)) return
+    if (self%rule%has_contact()) self%rule%factors%face_load = face_load_factor(stages, self%rule%factors%face_load)
     if (.not. allocated(self%load_factor)) allocate (self%load_factor(size(self%own_rpm)), source=1.0_dp)
     call self%list_reliefs(stages, which)
     call claim_memory(1000.0_dp*size(which)*size(self%own_rpm), '&life rpm: '//str(size(which)*size(self%own_rpm))// &

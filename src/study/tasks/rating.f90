@@ -13,17 +13,14 @@ module gearsweep_study_tasks_rating
     dynamic_factor_a, dynamic_factor_b, gear_materials, grade_of, grades, life_curve_t, life_curve_words, life_factor, &
     load_factors_t, material_length, method_b_t, no_grade, nominal_of, nominal_t, resonance_ratio, root_life_curve, root_number, &
     test_gear_correction, tooth_root_stress
-  use gearsweep_face, only: face_load_t
-  use gearsweep_study_case_face_keys, only: is_uneven
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
   use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
-  use gearsweep_study_run_face_stage, only: find_face_loads
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_point, known_count, of_estimate, &
     of_factor, of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
   private
-  public :: limits_t, find_face_factor, read_material, read_load_factors, add_life_curves, largest_share, rating_task_t
+  public :: limits_t, face_load_factor, read_material, read_load_factors, add_life_curves, largest_share, rating_task_t
 
   !> Allowable stress numbers of pinion and gear (Pa); NaN where the case gives none.
   type :: limits_t
@@ -144,22 +141,15 @@ contains
                     meaning='K_H_alpha and K_F_alpha, for deviations that let the pairs share the load unevenly')
   end subroutine read_load_factors
 
-  !> Finds K_H_beta in the middle of single contact and, on demand, K_F_beta by the load over the face width: the largest over the
-  !> reliefs, on which they depend above a contact ratio of 2 only.
-  subroutine find_face_factor(stages, factors, error, root)
+  !> K_H_beta: in the middle of single contact by the load over the face width, where the faces meet unevenly; else as `stated`.
+  !> It depends on the relief above a contact ratio of 2 only; then the largest counts.
+  pure real(dp) function face_load_factor(stages, stated) result(factor)
     type(stages_t), intent(in) :: stages
-    type(load_factors_t), intent(inout) :: factors
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), intent(out), optional :: root
-    type(face_load_t), allocatable :: loads(:)
-    integer :: i
+    real(dp), intent(in) :: stated
 
-    if (present(root)) root = 1
-    call find_face_loads(stages, loads, error)
-    if (allocated(error)) return
-    factors%face_load = maxval([(loads(i)%single_factor, i=1, size(loads))])
-    if (present(root)) root = maxval([(loads(i)%root_factor, i=1, size(loads))])
-  end subroutine find_face_factor
+    factor = stated
+    if (stages%faces%are_uneven()) factor = maxval(stages%face_loads%single_factor)
+  end function face_load_factor
 
   !> Adds columns of the limits, a row for each gear.
   pure subroutine add_limits(limits, table)
@@ -361,15 +351,13 @@ contains
     integer, allocatable :: motions(:, :)        ! number of motions
     type(method_b_t), allocatable :: of(:)                 ! inputs of Method B; (relief)
     type(nominal_t) :: nominal
-    real(dp) :: root_face_load
     integer :: grade, i, k
     logical :: out_of_memory
 
     if (allocated(error)) return
     self%factors%application = stages%iso%application_factor
-    self%has_face = is_uneven(stages%face%alignment, stages%face%shaft)
-    if (self%has_face) call find_face_factor(stages, self%factors, error, root_face_load)
-    if (allocated(error)) return
+    self%has_face = stages%faces%are_uneven()
+    self%factors%face_load = face_load_factor(stages, self%factors%face_load)
     call need_method_b(stages, self%accuracy, of, grade, error)
     call claim_memory(1000.0_dp*size(stages%motion)*size(self%own_rpm), '&rating rpm: '// &
                       str(size(stages%motion)*size(self%own_rpm))//' motions', error)
@@ -386,7 +374,7 @@ contains
       end do
     end do
     nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade)
-    if (self%has_face) nominal%root_face_load = root_face_load
+    if (self%has_face) nominal%root_face_load = maxval(stages%face_loads%root_factor)
     call fill_dynamic(stages, self%own_rpm, of, point, motions, self%tables(self%place('dynamic_factors')), error)
     call fill_factors(stages, self, nominal, of(1), self%tables(self%place('rating_factors')), error)
     call fill_rating(self, nominal, stages%amount, [stages%pair%gear%spec%teeth], self%tables(self%place('rating')), error)
