@@ -25,11 +25,11 @@ module gearsweep_face_contact
 
 contains
 
-  !> Finds the line loads w >= 0 (N/m) and the common deflection x (m) under which loaded slices touch and no other slice
-  !> penetrates: x - gap = C w/width + flattening where w > 0. The loads add up to `load`.
+  !> Finds the line loads w >= 0 (N/m) and the common deflection x (m) of slices that carry `load` together. A slice with a load
+  !> touches: x - gap = C w/width + flattening. A slice without a load does not penetrate.
   !>
-  !> Newton's method on the slices in contact; slices under tension leave the contact, and slices that penetrate join it. After
-  !> the first changes one slice leaves or joins at a time, so that the energy falls with each change.
+  !> Newton's method finds the loads of the slices in contact. Slices under tension leave the contact, and slices that penetrate
+  !> join it; after the first changes one at a time, so that the energy falls with each change.
   !> `error`: the compliance is not positive definite, where slices are much narrower than Hertz's contact.
   subroutine solve_contact(compliance, width, gap, flat, load, deflection, line_load, stiffness, error)
     real(dp), intent(in) :: compliance(:, :)     !< displacement of a slice, integrated over it, per line load, m3/N
@@ -40,10 +40,10 @@ contains
     real(dp), intent(out) :: line_load(:)        !< N/m; (slice)
     real(dp), intent(out) :: stiffness           !< d load/d deflection, N/m
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), parameter :: rounding = 1e-13_dp, near = 1e-2_dp, first_load = 1e-4_dp
+    real(dp), parameter :: rounding = 1e-13_dp, near = 1e-2_dp, negligible = 1e-12_dp
     integer, parameter :: most = 500, many_at_once = 8
     real(dp), dimension(size(width)) :: change, open
-    logical :: touches(size(width))
+    logical, dimension(size(width)) :: joins, touches
     real(dp) :: part, typical
     integer :: i, at, changes
     logical :: is_near, is_done
@@ -62,7 +62,7 @@ contains
           line_load = line_load + change
           touches = touches .and. line_load > 0
         else
-          ! Up to where the first slice is without load.
+          ! The step ends where the load of the first slice vanishes.
           at = minloc(-line_load/change, 1, mask=touches .and. line_load + change <= 0)
           part = -line_load(at)/change(at)
           line_load = line_load + part*change
@@ -84,18 +84,25 @@ contains
         cycle
       end if
       changes = changes + 1
-      at = maxloc(open, 1)
-      if (changes <= many_at_once) then
-        where (open > 0) line_load = first_load*typical
-        touches = touches .or. open > 0
-      else
-        line_load(at) = first_load*typical
-        touches(at) = .true.
-      end if
+      joins = open > 0
+      if (changes > many_at_once) joins = [(at == maxloc(open, 1), at=1, size(width))]
+      ! A load below the slice's own one under this penetration: from there Newton's method does not pass 0, as the flattening
+      ! makes the slice stiffer with the load.
+      where (joins) line_load = open/own_compliance()
+      touches = touches .or. joins
     end do
     call fail(error, code_numerical, 'load over the face: the slices in contact did not converge in '//str(most)//' steps')
 
   contains
+
+    !> Displacement of a slice per own line load, under a load that is negligible, m2/N.
+    pure function own_compliance() result(own)
+      real(dp) :: own(size(width))
+      integer :: j
+
+      own = [(compliance(j, j), j=1, size(width))]/width
+      if (flat%rate > 0) own = own - flat%rate/2*log(negligible*typical*flat%scale)
+    end function own_compliance
 
     !> Computes the `change` of the loads in contact, and the deflection, by the tangent of the flattening.
     subroutine newton_step()

@@ -337,11 +337,11 @@ contains
     call check_close(t, 'deflection', found(2)%error(1), 3*found(1)%error(1), 1e-9_dp)
   end subroutine scale
 
-  !> 500 random pairs, from light to heavy loads: each has a solution, loads add up, K_H beta is at least 1, and the misalignment
+  !> 1500 random pairs, from light to heavy loads: each has a solution, loads add up, K_H beta is at least 1, and the misalignment
   !> of the other sign gives the mirror image.
   subroutine random_pairs(t)
     type(tally_t), intent(inout) :: t
-    integer, parameter :: designs = 25, faces = 20
+    integer, parameter :: designs = 25, faces = 60
     type(random_t) :: random
     type(pair_t) :: pair
     type(material_t) :: steel(2)
