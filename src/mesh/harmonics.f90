@@ -48,20 +48,16 @@ contains
 
   !> Computes the first `count` harmonics of the static transmission error of `mesh` under `load` (N). Segments are halved, at
   !> most `halvings` times, until the integrals over both halves agree with that over the segment.
-  pure subroutine find_harmonics(mesh, load, count, harmonics, halvings, base)
+  pure subroutine find_harmonics(mesh, load, count, harmonics, halvings)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
     integer, intent(in) :: count
     type(harmonics_t), intent(out) :: harmonics
     integer, intent(in), optional :: halvings
-    !> Cycles of the first harmonic in a mesh period; 1 if absent. If teeth deviate, only harmonics with a whole number of cycles
-    !> in the periods after which the deviations repeat are meaningful.
-    real(dp), intent(in), optional :: base
     type(harmonics_t) :: series(1)
     type(integrand_t) :: f
 
     f = integrand_t(mesh, load, count=[count], base=[1.0_dp])
-    if (present(base)) f%base = base
     if (present(halvings)) f%halvings = halvings
     ! Rounding errors of the phase grow with the harmonic.
     f%tolerance = 1e-13_dp + 4e-15_dp*count
@@ -69,14 +65,16 @@ contains
     harmonics = series(1)
   end subroutine find_harmonics
 
-  !> Computes orders of the static transmission error of gears whose teeth deviate, of both gears at once: as `find_harmonics`, but
-  !> of several series, to about 1e-9 of the largest transmission error. Where a pair begins to carry, its flattening has no
-  !> Taylor series, and each halving of a panel only quarters the error there: over a turn more would cost too much.
+  !> Computes several series of orders of the static transmission error at once, as of both gears whose teeth deviate, to about
+  !> 1e-9 of the largest transmission error. Where a pair begins to carry, its flattening has no Taylor series, and each halving
+  !> of a panel only quarters the error there: over a turn more would cost too much.
   pure subroutine find_orders(mesh, load, count, base, harmonics)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load                 !< N
     integer, intent(in) :: count(:)              !< harmonics of each series
-    real(dp), intent(in) :: base(:)              !< cycles of its first harmonic in a mesh period
+    !> Cycles of the first harmonic of each series in a mesh period. Only harmonics with a whole number of cycles in the periods
+    !> after which the deviations repeat are meaningful.
+    real(dp), intent(in) :: base(:)
     type(harmonics_t), intent(out) :: harmonics(:)         !< (series)
     real(dp), parameter :: negligible = 1e-9_dp
     integer, parameter :: points = 4
