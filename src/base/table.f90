@@ -434,7 +434,7 @@ contains
       cell = str(nint(column%numbers(row)))
     else if (column%is_index) then
       cell = str(column%numbers(row))
-    else if (index(column%name, 'estimate') > 0 .or. index(column%name, 'error') > 0 .or. column%name == 'residual') then
+    else if (index(column%name, 'error_estimate') > 0 .or. column%name == 'residual') then
       cell = str(column%numbers(row), 2)
     else if (index(column%name, 'factor') > 0) then
       cell = fixed(column%numbers(row), 4)
