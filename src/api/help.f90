@@ -24,12 +24,11 @@ module gearsweep_api_help
     entry_t('helix helical beta', 'Helical gears are not computed: gearsweep is for spur gears.'), &
     entry_t('scuffing', 'Scuffing is not rated; the task flank has the flash temperature, film thickness and sliding speed '// &
       'that a rating needs.'), &
-    entry_t('misalignment crowning lead', 'Misalignment and lead modifications are not computed: the load is uniform over '// &
-      'the face width. &rating face_load_factor is K_Hbeta from elsewhere.'), &
     entry_t('wear micropitting', 'Wear and micropitting are not computed; the task flank has pressure, sliding speed and '// &
       'film thickness.'), &
-    entry_t('bearing bearings shaft', 'Shafts and bearings are not computed: the gears turn about fixed axes. '// &
-      'hub_inertia_kgm2 of a gear adds the inertia of what turns with it.'), &
+    entry_t('bearing bearings shaft', 'Bearings are not computed. &face shaft_diameter_mm is the pinion''s shaft, which twists '// &
+      'and bends under the load over the face width. In motion the gears turn about fixed axes: hub_inertia_kgm2 of a gear '// &
+      'adds the inertia of what turns with it.'), &
     entry_t('internal bevel worm planetary rack', 'gearsweep is for pairs of external spur gears.')]
 
 contains

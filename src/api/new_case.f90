@@ -65,7 +65,8 @@ contains
     type(key_t), intent(in) :: key
     character(*), parameter :: common(*) = [character(24) :: 'case title', 'case tasks', 'pinion profile_shift', &
       'gear profile_shift', 'pinion bore_mm', 'gear bore_mm', 'relief amount_um', 'dynamics damping_ratio', 'rating material', &
-      'rating accuracy_grade', 'rating face_load_factor', 'load application_factor']
+      'rating accuracy_grade', 'rating face_load_factor', 'load application_factor', 'face misalignment_um', &
+      'pinion crowning_um', 'gear crowning_um']
 
     is_common = any(common == trim(key%group)//' '//key%name)
     if (len(key%not_allowed) == 0) is_common = is_common .or. key%is_required .or. key%is_one_of

@@ -121,8 +121,8 @@ contains
     limits%root = test_gear_correction*limits%root_number
   end subroutine read_material
 
-  !> Reads K_H_beta, and K_H_alpha with K_F_alpha, which ISO 6336 computes from deviations and deflections that this program does
-  !> not compute. In `life` only the contact stress uses them, which requires a material.
+  !> Reads K_H_beta, for faces that meet evenly, and K_H_alpha with K_F_alpha, which ISO 6336 computes from deviations and this
+  !> program does not. In `life` only the contact stress uses them, which requires a material.
   subroutine read_load_factors(reader, not_allowed, has_material, factors, error)
     type(reader_t), intent(inout) :: reader
     character(*), intent(in) :: not_allowed
