@@ -179,6 +179,12 @@ def _flank(study: Study) -> Iterator[Headline]:
                    f'friction losses at most {shown(_most(read["friction_loss_w"]))} W')  # fmt: skip
 
 
+def _face_load(study: Study) -> Iterator[Headline]:
+    summary = study.face_load_summary
+    factor, root, worst = (_most(summary._read(f'{name}face_load_factor')) for name in ('', 'root_', 'worst_'))
+    yield Headline('face_load', 'own', 'K_H_beta', shown(factor), f'at its worst phase {shown(worst)}, K_F_beta {shown(root)}')
+
+
 def _static(study: Study) -> Iterator[Headline]:
     stress = study.root_stress
     iso = f', by ISO 6336-3 {shown(study.root_rating.iso_mpa)}' if 'root_rating' in study else ''
@@ -280,7 +286,7 @@ def _as_built(study: Study) -> Iterator[Headline]:
 _ALL = (
     ('optimum', _optimum), ('sweep_summary', _sweep), ('rating', _rating), ('flank_losses', _flank), ('deflection_relief', _deflection_relief),
     ('load_points', _load), ('torque_points', _torque), ('sensitivity', _sensitivity), ('as_built_worst', _as_built),
-    ('root_stress', _static), ('life', _life),
+    ('face_load_summary', _face_load), ('root_stress', _static), ('life', _life),
     ('transient_peaks', _transient), ('section_resonances', _harmonic), ('modal', _modal), ('body_modes', _body_modes),
     ('tongues', _stability), ('hysteresis', _hysteresis), ('lyapunov', _poincare), ('attractor_points', _attractors), ('branches', _branches),
     ('transmission_error', _mesh), ('geometry', _geometry), ('motion', _motion),

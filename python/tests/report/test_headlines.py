@@ -44,6 +44,13 @@ def test_gears_as_built_tell_the_relief_that_is_best_for_the_worst_of_them():
     assert best.more.startswith(f'nominal {shown(nominal)}, relief {shown((0, 10)[worst.argmin()])} µm, at ')
 
 
+def test_faces_have_their_load_factors():
+    study = gearsweep.run(Case(GEARED).changed(case={'tasks': 'face_load'}, mesh={'model': 'fe'}, face={'misalignment_um': 15}))
+    told, summary = by_name(study)['K_H_beta'], study.face_load_summary
+    assert told.value == shown(summary.face_load_factor.max())
+    assert told.more == f'at its worst phase {shown(summary.worst_face_load_factor.max())}, K_F_beta {shown(summary.root_face_load_factor.max())}'
+
+
 def test_one_relief_is_not_the_best_of_a_list():
     told = by_name(gearsweep.run(Case(PRESCRIBED).changed(relief={'amount_um': 5}), 'sweep'))
     assert 'Best of the list' not in told and told['Largest dynamic factor'].more.startswith('at 12000 1/min')
