@@ -34,6 +34,7 @@ from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
 from .branches import plot_branches
 from .deflection_relief import plot_deflection_relief, plot_relief_flank
+from .face_load import compare_face_loads, plot_contact_pattern, plot_face_load
 from .files import PICTURES, draw_all, figures, save
 from .flank import plot_flank
 from .frequency import plot_body_campbell, plot_campbell, plot_frequency_response
@@ -54,6 +55,7 @@ from .transient import plot_transient, plot_transient_peaks
 __all__ = [
     'PICTURES',
     'compare',
+    'compare_face_loads',
     'draw_all',
     'figures',
     'plot_as_built',
@@ -64,9 +66,11 @@ __all__ = [
     'plot_body_modes',
     'plot_branches',
     'plot_campbell',
+    'plot_contact_pattern',
     'plot_deflection_relief',
     'plot_dte',
     'plot_dte_sweep',
+    'plot_face_load',
     'plot_flank',
     'plot_frequency_response',
     'plot_geometry',

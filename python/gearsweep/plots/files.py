@@ -34,6 +34,7 @@ from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
 from .branches import plot_branches, reliefs_of
 from .deflection_relief import LABELS, plot_deflection_relief, plot_relief_flank
+from .face_load import plot_contact_pattern, plot_face_load
 from .flank import plot_flank
 from .frequency import plot_body_campbell, plot_campbell, plot_frequency_response
 from .gears import plot_geometry
@@ -280,6 +281,19 @@ def _assemblies(study: Study) -> Figure:
     return figure
 
 
+def _over_face(plot: Callable) -> Callable[[Study], Figure]:
+    """Draws a panel for each relief."""
+
+    def draw(study: Study) -> Figure:
+        amounts = list(dict.fromkeys(study.face_load.relief_um))
+        figure, axes = _panels(len(amounts), 'reliefs', 2, 75)
+        for ax, amount in zip(axes, amounts):
+            plot(study, ax, relief_um=amount)
+        return figure
+
+    return draw
+
+
 def _turn(study: Study) -> Figure:
     """Draws the transmission error above the loads of the pairs, for each relief and speed; static only if a relief did not
     converge.
@@ -370,6 +384,9 @@ PICTURES = {
     'static': Picture('Root stress on both sides while the load moves; ISO 6336-3 and Lewis', _single(plot_static, 65)),
     'stress': Picture('Principal stress around the tooth, with the load at one place', _single(plot_stress, 55)),
     'modal': Picture('Mode shapes over the outline at rest, with their frequencies', _modes),
+    'contact_pattern': Picture("Contact pattern on the pinion's flank: Hertz pressure over face width and diameter",
+                               _over_face(plot_contact_pattern), 'face_load'),
+    'face_load': Picture('Load over the face width at the worst phase and in contact of the fewest pairs, with K_H_beta', _over_face(plot_face_load)),
     'load': Picture('Load of one pair along its path, and dynamic transmission error, a row for each speed', _loads),
     'motion_harmonics': Picture("Amplitudes of the dynamic transmission error's harmonics, a panel for each speed",
                                 _speeds('motion_harmonics', plot_motion_harmonics)),

@@ -83,7 +83,7 @@ def everything():
                                 as_built={'waterfall': True}, deviations={'pinion_class': 6, 'draws': 2},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
     return gearsweep.run(case, (*case.tasks, *MAPS, 'branches', 'sensitivity', 'flank', 'rating', 'transient', 'harmonic', 'life',
-                                'body_modes', 'deflection_relief', 'as_built'))  # fmt: skip
+                                'body_modes', 'deflection_relief', 'as_built', 'face_load'))  # fmt: skip
 
 
 def all_plots():
@@ -822,7 +822,7 @@ def test_transmission_error_over_speed_has_a_curve_for_each_relief(everything, q
 
 
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
-    names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'motion_harmonics', 'torque',
+    names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'contact_pattern', 'face_load', 'load', 'motion_harmonics', 'torque',
              'torque_harmonics',
              'sweep', 'dte_sweep', 'optimum_curve', 'optimum_map', 'relief_curve', 'relief_flank', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins',
              'branches', 'sensitivity',
