@@ -182,7 +182,7 @@ def _flank(study: Study) -> Iterator[Headline]:
 def _face_load(study: Study) -> Iterator[Headline]:
     summary = study.face_load_summary
     factor, root, worst = (_most(summary._read(f'{name}face_load_factor')) for name in ('', 'root_', 'worst_'))
-    yield Headline('face_load', 'own', 'K_H_beta', shown(factor), f'at its worst phase {shown(worst)}, K_F_beta {shown(root)}')
+    yield Headline('face_load', 'contact_pattern', 'K_H_beta', shown(factor), f'at its worst phase {shown(worst)}, K_F_beta {shown(root)}')
 
 
 def _static(study: Study) -> Iterator[Headline]:

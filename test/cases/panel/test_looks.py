@@ -149,6 +149,7 @@ PICTURES = {
     'case1.nml': ['sweep', 'dte_rms', 'dte_range', 'sweep_map', 'optimum', 'factor_torques', 'factor_map', 'load', 'dte', 'share', 'ste', 'stiffness', 'pair_stiffness', 'profile_error', 'harmonics', 'own'],
     'hassan.nml': ['root', 'modes', 'section'],
     'fzg_c40.nml': ['pressure', 'sliding', 'flash', 'film'],
+    'face_load.nml': ['contact_pattern', 'face_factor'],
     'torques.nml': ['optimum_ste', 'ste_torques', 'ste_map'],
     'precision.nml': ['precision'],
     'deflection_relief.nml': ['relief_flank', 'relief_search'],

@@ -7,7 +7,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from conftest import BUILT, LONG, RATED, REST, SMALL, Front, Window, shown
+from conftest import BUILT, LONG, RATED, REST, ROOT, SMALL, Front, Window, shown
 
 import gearsweep
 from gearsweep.plots.sensitivity import NUMBERS
@@ -72,6 +72,32 @@ def test_numbers_at_a_glance_lead_to_their_pictures(window, small):
     window.page.locator('#view[data-picture=optimum] svg.chart').wait_for()
     assert window.page.evaluate('() => document.activeElement.id') == 'picture'
     assert window.page.locator('#view .asidename').text_content() == f'optimum {shown(small.optimum.relief_um, 4)} µm'
+
+
+def test_the_contact_pattern_follows_misalignment_and_crowning(browser, front):
+    """Typed into fields that the task shows; white where the library has no pressure."""
+    window = Window(browser, front.address).open('face_load.nml', 'data')
+    window.page.locator('#view[data-picture=contact_pattern] svg.chart').wait_for()
+    case = gearsweep.Case.read(ROOT / 'data/face_load.nml')
+    for group, key, value in (('face', 'misalignment_um', 40), ('pinion', 'crowning_um', 12), ('gear', 'crowning_um', 3), ('pinion', 'end_relief_um', 5)):
+        assert window.field(group, key).is_visible()
+        window.type(group, key, str(value))
+        case = case.changed(**{group: {key: value}})
+        study = gearsweep.run(case)
+        assert window.number('K_H_beta') == shown(study.face_load_summary.face_load_factor.max(), 4)
+    load = study.face_load
+    first = load.relief_um == 0
+    places = {(one, z) for one, z, pressure in zip(load.s[first], load.z_mm[first], load.pressure_mpa[first]) if pressure > 0}
+    assert window.page.locator('#view .chart .body rect').count() == len(places) + 1  # and the paper
+    chart = window.page.locator('#view svg.chart').bounding_box()
+    for box in (one.bounding_box() for one in window.page.locator('#view .chart .axes text').all()):
+        for at, size in (('x', 'width'), ('y', 'height')):
+            assert chart[at] <= box[at] and box[at] + box[size] <= chart[at] + chart[size]
+    window.shoot('face')
+    window.page.locator('#numbers > div', has_text='K_H_beta').locator('button').click()
+    window.page.locator('#view[data-picture=contact_pattern]').wait_for()
+    assert window.said == []
+    window.close()
 
 
 def test_the_least_safety_says_what_it_rests_on(browser, front):

@@ -194,25 +194,37 @@ function drawEnds(drawing, spec, x, y) {
   drawing.append(body);
 }
 
+/** The middle between each two places. */
+export const between = (list) => list.slice(1).map((value, i) => (list[i] + value) / 2);
+
+/** Where the cells of a map begin and end: as it says, else halfway between its places. */
+function wallsOf({ xs, ys, walls }) {
+  const half = (list) => (list.length > 1 ? [list[1] - list[0], list[list.length - 1] - list[list.length - 2]] : [1, 1]).map((step) => step / 2);
+  const around = (list) => { const [first, last] = half(list); return [list[0] - first, ...between(list), list[list.length - 1] + last]; };
+  return walls ?? { x: around(xs), y: around(ys) };
+}
+
 function drawMap(drawing, spec, x, y, width, height) {
-  const { xs, ys, z, isLog } = spec.map;
+  const { xs, ys, z, isLog, isPaper } = spec.map;
   const known = z.flat().filter((value) => value !== null && !(isLog && value <= 0)), [least, most] = known.reduce(([a, b], one) => [Math.min(a, one), Math.max(b, one)], [Infinity, -Infinity]);
   // Of a logarithmic scale four powers of ten are shown.
   let low = spec.map.low ?? (isLog ? Math.max(least, most / 1e4) : least), high = spec.map.high ?? most;
   if (!(high > low)) high = low + (Math.abs(low) || 1) * 1e-6;
   const shade = scale([low, high], 0, 1, isLog);
-  const edge = (list, i) => i === 0 ? list[0] - (list.length > 1 ? (list[1] - list[0]) / 2 : 0.5)
-    : i === list.length ? list[i - 1] + (list.length > 1 ? (list[i - 1] - list[i - 2]) / 2 : 0.5) : (list[i - 1] + list[i]) / 2;
+  const shadeOf = (part) => ramp(isPaper ? 0.88 * (1 - part) : part), walls = wallsOf(spec.map);
   const body = svg('g', { class: 'body', 'shape-rendering': 'crispEdges' });
+  // What is blank is so as on paper, and the ramp from light to dark, also on a dark ground.
+  if (isPaper) body.append(svg('rect', { x: x(walls.x[0]), y: TOP, width: x(walls.x[xs.length]) - x(walls.x[0]), height: y.floor - TOP, fill: '#fff' }));
   for (let i = 0; i < xs.length; i++) for (let j = 0; j < ys.length; j++) {
     const value = z[j][i];
     if (value === null || value === undefined) continue;
-    const a = x(edge(xs, i)), b = x(edge(xs, i + 1)), c = y(edge(ys, j + 1)), d = y(edge(ys, j));
-    body.append(svg('rect', { x: a.toFixed(1), y: c.toFixed(1), width: Math.max(0.5, b - a).toFixed(1), height: Math.max(0.5, d - c).toFixed(1), fill: ramp(isLog && value <= 0 ? 0 : shade(value)) }));
+    // Where one cell ends, the next begins, after rounding as well.
+    const [a, b, c, d] = [x(walls.x[i]), x(walls.x[i + 1]), y(walls.y[j + 1]), y(walls.y[j])].map((at) => Math.round(10 * at) / 10);
+    body.append(svg('rect', { x: a, y: c, width: Math.max(0.5, b - a).toFixed(1), height: Math.max(0.5, d - c).toFixed(1), fill: shadeOf(isLog && value <= 0 ? 0 : shade(value)) }));
   }
   drawing.append(body);
   const right = width - 70, bar = svg('g', { class: 'axes' });
-  for (let k = 0; k < 40; k++) bar.append(svg('rect', { x: right, width: 12, y: y.floor - (k + 1) * (y.floor - TOP) / 40, height: (y.floor - TOP) / 40 + 0.5, fill: ramp(k / 39) }));
+  for (let k = 0; k < 40; k++) bar.append(svg('rect', { x: right, width: 12, y: y.floor - (k + 1) * (y.floor - TOP) / 40, height: (y.floor - TOP) / 40 + 0.5, fill: shadeOf(k / 39) }));
   const at = scale([low, high], y.floor, TOP, isLog);
   for (const value of ticks(low, high, 5, isLog)) bar.append(text(right + 17, at(value) + 4, tickWord(value), 'start'));
   const name = text(0, 0, spec.map.label, 'middle', 'name');
@@ -224,8 +236,8 @@ function drawMap(drawing, spec, x, y, width, height) {
 function ranges(spec) {
   if (spec.extent) return spec.extent;
   if (spec.map) {
-    const around = (list) => { const half = list.length > 1 ? (list[1] - list[0]) / 2 : 0.5; return [list[0] - half, list[list.length - 1] + half]; };
-    return { x: around(spec.map.xs), y: around(spec.map.ys) };
+    const { x, y } = wallsOf(spec.map), ends = (list) => [list[0], list[list.length - 1]];
+    return { x: ends(x), y: ends(y) };
   }
   if (spec.words) return { x: extent([...spec.series.map((one) => one.x), [0]], false, 0.05), y: [spec.words.length - 0.5, -0.5] };
   const found = { x: extent(spec.series.map((one) => one.x), spec.xlog, spec.kind === 'bars' ? 0.08 : 0.01), y: extent(spec.series.map((one) => one.y), spec.ylog, 0.05) };

@@ -4,10 +4,11 @@ import { byId, capital, el, names, title, unit, worded } from './util.js';
 /** Groups in the order of the hand, and the keys that are shown before `more` is asked for; all others follow. */
 const FIRST = {
   case: ['tasks'],
-  pinion: ['teeth', 'profile_shift', 'addendum', 'effective_mass_kg'],
-  gear: ['teeth', 'profile_shift', 'addendum', 'effective_mass_kg'],
+  pinion: ['teeth', 'profile_shift', 'addendum', 'effective_mass_kg', 'crowning_um', 'end_relief_um', 'end_relief_mm'],
+  gear: ['teeth', 'profile_shift', 'addendum', 'effective_mass_kg', 'crowning_um', 'end_relief_um', 'end_relief_mm'],
   pair: ['module_mm', 'face_width_mm', 'pressure_angle_deg', 'centre_distance_mm', 'backlash_um'],
   load: ['torque_nm', 'normal_force_n', 'line_load_n_mm'],
+  face: ['misalignment_um', 'shaft_diameter_mm', 'bearing_span_mm', 'bearing_offset_mm', 'torque_side'],
   sweep: ['rpm_first', 'rpm_last', 'rpm_step', 'load_rpm'],
   relief: ['amount_um', 'pinion_fraction', 'gear_fraction', 'start', 'shape'],
   dynamics: ['damping_ratio', 'friction'],
@@ -15,8 +16,8 @@ const FIRST = {
   as_built: ['turn_rpm', 'waterfall'],
   deviations: ['pinion_class', 'gear_class', 'draws', 'assembly'],
 };
-const OPEN = ['case', 'pinion', 'gear', 'pair', 'load', 'sweep', 'relief', 'dynamics'];
-const NAMES = { case: 'Compute', sweep: 'Speed', relief: 'Tip relief', dynamics: 'Damping and friction', mesh: 'Stiffness of the mesh', section: 'Body behind the teeth' };
+const OPEN = ['case', 'pinion', 'gear', 'pair', 'load', 'face', 'sweep', 'relief', 'dynamics'];
+const NAMES = { case: 'Compute', face: 'Misalignment and shaft', sweep: 'Speed', relief: 'Tip relief', dynamics: 'Damping and friction', mesh: 'Stiffness of the mesh', section: 'Body behind the teeth' };
 
 let about = null, change = null, slide = null;
 const fields = new Map();

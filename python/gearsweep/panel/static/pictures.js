@@ -1,6 +1,6 @@
 // Which pictures there are, and how a table becomes one. What is not listed can be drawn as any column over another.
 import { color, labelled, names, shown, title, unit } from './util.js';
-import { style } from './chart.js';
+import { between, style } from './chart.js';
 import { state } from './state.js';
 
 const ALONG = { needs: { contact_points: ['point', 's'] }, marks: 'points' };
@@ -29,6 +29,8 @@ export const PICTURES = [
   { id: 'factor_map', title: 'Largest dynamic factor over torque and relief', table: 'optimum_map', task: 'optimum', kind: 'map', x: 'torque_nm', y: 'relief_um', z: 'worst_dynamic_factor', ...BY_FACTOR },
   { id: 'relief_flank', title: 'Tip relief over the diameter', table: 'relief_flank', task: 'deflection_relief', x: 'diameter_mm', y: 'relief_um', first: 'method' },
   { id: 'relief_search', title: 'Largest dynamic factor over relief, as searched', table: 'relief_curve', task: 'deflection_relief', x: 'relief_um', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor' },
+  { id: 'contact_pattern', title: 'Contact pattern: pressure over face width and path', table: 'face_load', kind: 'map', x: 'z_mm', xname: 'Place z over the face width (mm)', y: 's', z: 'pressure_mpa', zname: 'Hertz pressure (MPa)', without: ['mesh_phase'], widths: 'slice_mm', low: 0, blank: 0, below: 'Upwards from root to tip of the pinion; white: no contact.' },
+  { id: 'face_factor', title: 'Load factor of the face over the mesh period', table: 'face_load_phases', task: 'face_load', x: 'mesh_phase', y: 'face_load_factor', yname: 'Largest load on one module over the mean' },
   { id: 'load', title: 'Load of one pair in motion', table: 'load', x: 's', y: 'pair_load_n', fromZero: true, ...ALONG },
   { id: 'dte', title: 'Dynamic transmission error', table: 'load', x: 's', y: 'dte_um', ...ALONG },
   { id: 'dte_harmonics', title: 'Harmonics of the dynamic transmission error', table: 'motion_harmonics', task: 'load', kind: 'bars', x: 'harmonic', y: 'dte_amplitude_um', above: 0 },
@@ -103,7 +105,7 @@ export function columnsOf(picture, about) {
   const table = about[picture.table];
   if (!table || isBody(picture)) return {};
   const index = table.columns.filter((one) => one.index).map((one) => one.name);
-  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? []), ...list(picture.also ?? []), ...list(picture.other ?? []), ...list(picture.seen ?? []), ...list(picture.share ?? []), ...list(picture.order ?? []), ...list(picture.bound ?? [])]);
+  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? []), ...list(picture.also ?? []), ...list(picture.other ?? []), ...list(picture.seen ?? []), ...list(picture.share ?? []), ...list(picture.order ?? []), ...list(picture.bound ?? []), ...list(picture.widths ?? [])]);
   const there = table.columns.map((one) => one.name);
   const found = { [picture.table]: [...wanted].filter((name) => there.includes(name)) };
   for (const [name, columns] of Object.entries(picture.needs ?? {})) if (about[name]) found[name] = columns;
@@ -159,7 +161,7 @@ function marked(picture, data) {
 export function drawn(picture, about, data, chosen) {
   const table = about[picture.table], columns = data[picture.table];
   const column = (name) => table.columns.find((one) => one.name === name);
-  const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog === 'wide' ? isWide(columns[picture.y]) : picture.ylog, fromZero: picture.fromZero,
+  const spec = { title: picture.title, below: picture.below, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog === 'wide' ? isWide(columns[picture.y]) : picture.ylog, fromZero: picture.fromZero,
     xlabel: picture.xname ?? labelled(column(list(picture.x)[0])), ylabel: picture.yname ?? labelled(column(list(picture.y)[0])) };
   // Where the search stopped early, a value is a lower bound only.
   const isBound = (i) => columns[picture.bound]?.[i] === 1;
@@ -173,8 +175,11 @@ export function drawn(picture, about, data, chosen) {
     const { where, further } = picked(families(picture, about, data), columns, chosen);
     const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);
     const z = ys.map(() => xs.map(() => null));
-    for (const i of rowsWhere(columns, where)) z[ys.indexOf(columns[picture.y][i])][xs.indexOf(columns[picture.x][i])] = isBound(i) ? null : columns[picture.z][i];
-    return { ...spec, map: { xs, ys, z, label: labelled(column(picture.z)), low: picture.low, high: picture.high, isLog: picture.zlog }, series: [], families: further };
+    const isBlank = (i) => isBound(i) || columns[picture.z][i] === picture.blank;
+    for (const i of rowsWhere(columns, where)) z[ys.indexOf(columns[picture.y][i])][xs.indexOf(columns[picture.x][i])] = isBlank(i) ? null : columns[picture.z][i];
+    // Cells as wide as the table says; up to the first and last place along the other axis.
+    const walls = picture.widths && { x: [0, ...xs.map((x) => x + columns[picture.widths][columns[picture.x].indexOf(x)] / 2)], y: [ys[0], ...between(ys), ys[ys.length - 1]] };
+    return { ...spec, map: { xs, ys, z, walls, label: picture.zname ?? labelled(column(picture.z)), low: picture.low, high: picture.high, isLog: picture.zlog, isPaper: picture.blank !== undefined }, series: [], families: further };
   }
   let [first, ...further] = picture.group ? [{ ...column(picture.group), values: [...new Set(columns[picture.group])].sort((a, b) => a - b) }] : families(picture, about, data);
   const found = picked(further, columns, chosen), where = found.where;
