@@ -1,4 +1,4 @@
-"""Criteria of `robust`: for each pair of gears and assembly one number to be minimised."""
+"""Criteria of `robust`: for each draw, such as a pair of gears, and assembly one number to be minimised."""
 
 from __future__ import annotations
 
@@ -37,6 +37,9 @@ class Criterion:
         Keys of `&as_built` that it requires.
     at_rest : bool
         True if no motion is needed.
+    task : str
+        The task that has the columns. Of gears as built a variant has several draws and its own nominal numbers; of another task it is
+        a draw of the caller's scatter.
     """
 
     words: str
@@ -47,16 +50,27 @@ class Criterion:
     nominal: tuple[str, ...]
     keys: Mapping[str, Any] = field(default_factory=dict)
     at_rest: bool = False
+    task: str = 'as_built'
 
     @property
-    def reduce(self) -> Callable[[Study], dict[str, Any]]:
-        """Returns the function `reduce` of `many.run` for it."""
-        return partial(_reduced, columns=self.nominal, at_rest=self.at_rest)
+    def is_as_built(self) -> bool:
+        return self.task == 'as_built'
 
-    def worst(self, data: Any, lacks: NDArray[Any]) -> NDArray[np.float64]:
+    @property
+    def state(self) -> str:
+        """What the draws are, in a sentence."""
+        return 'as built' if self.is_as_built else 'with scatter'
+
+    @property
+    def reduce(self) -> Callable[[Study], dict[str, Any]] | None:
+        """Returns the function `reduce` of `many.run` for it."""
+        return partial(_reduced, columns=self.nominal, at_rest=self.at_rest) if self.is_as_built else None
+
+    def worst(self, data: Any) -> NDArray[np.float64]:
         """Returns the numbers from the data of `many.run`, (variant, draw, assembly); NaN if the motion has no result at some
         speed.
         """
+        lacks = data[LACKS].values if self.is_as_built else np.zeros((data.sizes['variant'], 1, 1))
         largest = np.max([data[name].values.reshape(*lacks.shape, -1).max(axis=-1) for name in self.columns], axis=0)
         return np.where(lacks == 0, largest, np.nan)
 
@@ -101,4 +115,8 @@ CRITERIA = {
     'root_stress': Criterion('Largest root stress at the speed of the largest dynamic factor', 'Largest root stress (MPa)', 'MPa', 1,
                             tuple(f'as_built_worst.{name}' for name in _GEARS), tuple(f'as_built_worst.nominal_{name}' for name in _GEARS),
                             {'with_root_stress': True}),
+    'face_load_factor': Criterion('K_H_beta in the middle of contact of the fewest pairs', 'Face load factor $K_{Hβ}$ (–)', '', 4,
+                                 ('face_load_summary.face_load_factor',), (), task='face_load'),
+    'root_face_load_factor': Criterion('K_F_beta', 'Face load factor of the root $K_{Fβ}$ (–)', '', 4,
+                                      ('face_load_summary.root_face_load_factor',), (), task='face_load'),
 }  # fmt: skip

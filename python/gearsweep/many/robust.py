@@ -1,4 +1,6 @@
-"""Robust relief: the candidate whose gears as built have the least quantile of a worst number, such as the largest dynamic factor."""
+"""Robust relief and crowning: the candidate with the least quantile of a number over gears as built, such as the largest dynamic factor, or
+over a scatter of keys, such as misalignment.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ from numpy.typing import NDArray
 from ..core.case import Case
 from ..core.library import Error, PartialWarning
 from . import cluster_quantiles
-from .criteria import CRITERIA, INEXACT, LACKS, NOMINAL, SAMPLE, Criterion, criterion
+from .criteria import CRITERIA, INEXACT, NOMINAL, SAMPLE, Criterion, criterion
+from .inputs import Input
 from .plan import Plan
 from .reading import failures
 from .run import Progress, run
@@ -31,15 +34,16 @@ _SAME = ('deviations.draws', 'deviations.seed', 'deviations.assembly')
 
 @dataclass(frozen=True, eq=False)
 class Robust:
-    """Candidates, nominal and as built.
+    """Candidates, nominal, and as built or with scatter.
 
     Attributes
     ----------
     table : Dataset
         A row for each `candidate`, with the keys that are varied as coordinates.
 
-        - `nominal`: value of the criterion, such as the largest dynamic factor over the speeds, without deviations
-        - `median`, `value`: median and requested quantile of this number as built
+        - `nominal`: value of the criterion, such as the largest dynamic factor over the speeds, without deviations or with the scattered
+          keys at their medians
+        - `median`, `value`: median and requested quantile of this number over the draws
         - `lower`, `upper`: band of `value`; NaN where there are too few draws for this end
         - `worse`, `worse_lower`, `worse_upper`: by how much `value` is above that of the best candidate, with the band of this difference,
           NaN where one of the two bands lacks an end
@@ -58,12 +62,12 @@ class Robust:
 
     @property
     def best(self) -> xarray.Dataset:
-        """Row of the candidate with the smallest quantile as built."""
+        """Row of the candidate with the smallest quantile over the draws."""
         return self._row('value')
 
     @property
     def nominal(self) -> xarray.Dataset:
-        """Row of the candidate that is best without deviations, and its value as built."""
+        """Row of the candidate that is nominally best, and its value over the draws."""
         return self._row('nominal')
 
     @property
@@ -74,7 +78,7 @@ class Robust:
         return self.table.isel(candidate=np.flatnonzero(~(self.table['worse_lower'].values > 0)))
 
     def case(self, candidate: int | None = None) -> Case:
-        """Returns the case of a candidate, by default of the best, with the first load and seed."""
+        """Returns the case of a candidate, by default of the best, with the first load and seed, and scattered keys at their medians."""
         seeds = self.plan.n // (self.factors.sizes['load'] * self.factors.sizes['candidate'])
         return self.plan.case(seeds * (int(self.best['candidate']) if candidate is None else candidate))
 
@@ -87,7 +91,7 @@ class Robust:
     def _row(self, column: str) -> xarray.Dataset:
         values = self.table[column].values
         if np.isnan(values).all():
-            raise Error('robust: no candidate has a result without deviations at all speeds')
+            raise Error('robust: no candidate has a nominal result')
         return self.table.isel(candidate=int(np.nanargmin(values)))
 
     def __str__(self) -> str:
@@ -97,11 +101,13 @@ class Robust:
 
 
 def robust(
-    case: Case, /, *, judged: str = 'dynamic_factor', spectrum: Mapping[str, Mapping[float, float]] | None = None, seeds: int = 1,
+    case: Case, /, *, judged: str = 'dynamic_factor', spectrum: Mapping[str, Mapping[float, float]] | None = None,
+    scatter: Mapping[str, Mapping[str, Any]] | None = None, seeds: int = 1,
     quantile: float = 0.95, confidence: float = 0.95, nan: str = 'refuse', executor: Any = None, store: str | os.PathLike | None = None, seconds: float | None = None,
     progress: Progress | bool = False, **groups: Mapping[str, Sequence[Any]],
 ) -> Robust:  # fmt: skip
-    """Finds which of several reliefs, or values of other keys, is the least sensitive to the deviations of its gears.
+    """Finds which of several reliefs, or values of other keys, is the least sensitive to the deviations of its gears, or which crowning to
+    the scatter of misalignment.
 
     All candidates have the same gears, drawn at random by the case's `&deviations` (class, `draws`, `seed`), so that they are
     compared in pairs. With `assembly = 'all'` each pair of gears is assembled in each possible way. The criterion is the largest
@@ -129,11 +135,16 @@ def robust(
 
         'root_stress' : the largest nominal stress sigma_F0 of ISO 6336-3 at the root of any tooth of either gear over the turn, in
         motion at the speed of the largest dynamic factor, MPa.
+        'face_load_factor', 'root_face_load_factor' : K_H_beta in the middle of contact of the fewest pairs, and K_F_beta, over `scatter`.
     spectrum : dict, optional
         One key of `&load` with its loads and their shares of the time, as in `{'torque_nm': {80: 0.7, 120: 0.3}}`.
+    scatter : dict, optional
+        For face load factors: keys with their distributions of `scipy.stats` or lists of equally likely values, as in
+        `{'face': {'misalignment_um': norm(0, 10)}}`. All candidates have the same values, independent and drawn at random with the seed of
+        `&deviations`.
     seeds : int
-        Number of variants of each candidate, for many workers, each with the case's `draws` and a seed of its own, counted from the
-        case's.
+        Number of variants of each candidate: with `scatter` each is a draw; else, for many workers, each has the case's `draws` and a seed
+        of its own, counted from the case's.
     quantile : float
         Probability of the quantile.
     confidence : float
@@ -169,12 +180,20 @@ def robust(
     if not groups:
         raise Error("robust: there are no candidates; add lists, such as relief={'amount_um': [8, 10, 12]}")
     loads, shares = _spectrum(spectrum, groups)
-    case = case.changed(case={'tasks': 'as_built'}, as_built=quantity.keys)
-    plan = Plan.grid(case, **loads, **_seeded(case, groups, seeds))
-    _check(plan, nan, seeds)
+    _check_seeds(seeds, quantity, scatter)
+    case = case.changed(case={'tasks': quantity.task}, as_built=quantity.keys)
+    if scatter is None:
+        plan, each = Plan.grid(case, **loads, **_seeded(case, groups, seeds)), seeds
+        inner = ['deviations.seed'] if seeds > 1 else []
+    else:
+        outer = Plan.grid(case, **loads, **groups)
+        plan, each = _scattered(outer, seeds, scatter), seeds + 1
+        inner = [name for name in plan.names if name not in outer.names]
+    _check(plan, nan, each, quantity)
     data = run(plan, quantity.columns, reduce=quantity.reduce, executor=executor, store=store, seconds=seconds, progress=progress)
-    _warn_of_inexact(data[INEXACT].values, data[SAMPLE].values)
-    nominal, factors = _factors(data, plan, shares if loads else None, seeds, judged)
+    if quantity.is_as_built:
+        _warn_of_inexact(data[INEXACT].values, data[SAMPLE].values)
+    nominal, factors = _factors(data, plan, shares if loads else None, each, inner, judged)
     selected, draws = _select_complete(factors.values, nan, partial(_cause, data, plan, judged, store))
     table = _table(nominal[selected], factors.isel(candidate=selected, draw=draws), shares, quantile, confidence)
     table.attrs |= {'judged': judged, 'draws_left_out': int((~draws).sum()), 'candidates_left_out': int((~selected).sum())}
@@ -197,10 +216,30 @@ def _spectrum(spectrum: Any, groups: Mapping[str, Any]) -> tuple[dict[str, Any],
     return {'load': {key: list(loads)}}, shares / shares.sum()
 
 
-def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]:
-    """Adds seeds to the groups, from that of the case on, as the key that changes fastest."""
+def _check_seeds(seeds: Any, quantity: Criterion, scatter: Any) -> None:
+    """Refuses a number of variants that cannot be, and a scatter that is missing or for another criterion."""
     if isinstance(seeds, bool) or not isinstance(seeds, int) or not 1 <= seeds <= 1_000_000:
         raise Error(f'robust: seeds = {seeds!r}: must be a whole number from 1 to 1000000')
+    if quantity.is_as_built and scatter is not None:
+        raise Error('scatter: is for face load factors; gears as built scatter by &deviations')
+    if not quantity.is_as_built and not scatter:
+        raise Error("robust: needs the scatter of some keys, such as scatter={'face': {'misalignment_um': scipy.stats.norm(0, 10)}}")
+    if not quantity.is_as_built and seeds < 2:
+        raise Error(f'robust: seeds = {seeds}: must be at least 2 with scatter, as each is a draw')
+
+
+def _scattered(outer: Plan, seeds: int, scatter: Mapping[str, Mapping[str, Any]]) -> Plan:
+    """Returns a plan with, for each row of `outer`, the medians of the scattered keys and then the drawn values, the same for all rows."""
+    drawn = Plan.random(outer.base, seeds, outer.base.get('deviations', 'seed', 1), **scatter)
+    medians = np.column_stack([one.values(np.array([0.5])) for one in drawn.inputs])
+    inner = np.vstack((medians, drawn.rows()))
+    values = np.column_stack((np.repeat(outer.rows(), len(inner), axis=0), np.tile(inner, (outer.n, 1))))
+    inputs = tuple(Input(key, key.choices or ()) for key in (*outer.keys, *drawn.keys))
+    return Plan(outer.base, 'table', inputs, len(values), values=values)
+
+
+def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]:
+    """Adds seeds to the groups, from that of the case on, as the key that changes fastest."""
     if seeds == 1:
         return dict(groups)
     deviations = groups.get('deviations', {})
@@ -214,25 +253,27 @@ def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]
     return {name: keys for name, keys in groups.items() if name != 'deviations'} | {'deviations': {**deviations, 'seed': drawn}}
 
 
-def _check(plan: Plan, nan: str, seeds: int) -> None:
-    """Refuses unusable candidates before anything is computed."""
+def _check(plan: Plan, nan: str, each: int, quantity: Criterion) -> None:
+    """Refuses unusable candidates, of so many variants each, before anything is computed."""
     for one in plan.inputs:
-        if one.name in _SAME and len(one.distribution) > (seeds if one.name == 'deviations.seed' else 1):
+        if one.name in _SAME and len(one.distribution) > (each if one.name == 'deviations.seed' else 1):
             raise Error(f'&deviations {one.key.key}: cannot distinguish candidates, as all have the same gears and assemblies; use one value')
-    first = _usable(plan, nan, seeds)
-    if not any(first.get('deviations', f'{gear}_class') for gear in ('pinion', 'gear')):
-        raise Error('robust: the case draws no gears; set &deviations pinion_class or gear_class')
-    if (draws := first.get('deviations', 'draws')) * seeds < 2:
-        raise Error(f'robust: &deviations draws = {draws}: must be at least 2')
+    first = _usable(plan, nan, each)
     if isinstance(amounts := first.get('relief', 'amount_um'), tuple):
         raise Error(f"robust: &relief amount_um has {len(amounts)} values; write them as relief={{'amount_um': [...]}}")
+    if not quantity.is_as_built:
+        return
+    if not any(first.get('deviations', f'{gear}_class') for gear in ('pinion', 'gear')):
+        raise Error('robust: the case draws no gears; set &deviations pinion_class or gear_class')
+    if (draws := first.get('deviations', 'draws')) * each < 2:
+        raise Error(f'robust: &deviations draws = {draws}: must be at least 2')
 
 
-def _usable(plan: Plan, nan: str, seeds: int) -> Case:
+def _usable(plan: Plan, nan: str, each: int) -> Case:
     """Returns the case of the first usable candidate; all must be usable unless they may be omitted."""
     cases: list[Case] = []
     errors: list[Error] = []
-    for at in range(0, plan.n, seeds):
+    for at in range(0, plan.n, each):
         try:
             cases.append(plan.case(at).complete())
         except Error as error:
@@ -244,26 +285,34 @@ def _usable(plan: Plan, nan: str, seeds: int) -> Case:
     return cases[0]
 
 
-def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int, judged: str) -> tuple[Reals, xarray.DataArray]:
-    """Returns nominal numbers (candidate, load), and those as built; NaN if the motion has no result at some speed."""
+def _factors(
+    data: xarray.Dataset, plan: Plan, shares: Reals | None, each: int, inner: Sequence[str], judged: str
+) -> tuple[Reals, xarray.DataArray]:
+    """Returns nominal numbers (candidate, load), and those of all draws; NaN if the motion has no result at some speed. Keys of `inner`
+    distinguish the variants of a candidate.
+    """
     import xarray
 
-    quantity, lacks = criterion(judged), data[LACKS].values
+    quantity = criterion(judged)
     loads = 1 if shares is None else len(shares)
-    candidates = plan.n // (loads * seeds)
-    values = quantity.worst(data, lacks)
+    candidates = plan.n // (loads * each)
+    values = quantity.worst(data)
+    values = values.reshape(loads, candidates, each, *values.shape[1:])
+    if quantity.is_as_built:
+        nominal = data[NOMINAL].values.reshape(loads, candidates, each)[..., 0]
+    else:
+        nominal, values = values[:, :, 0, 0, 0], values[:, :, 1:]
     coords: dict[str, Any] = {'share': ('load', np.ones(1) if shares is None else shares), 'candidate': np.arange(candidates)}
-    # The load is the first key, and changes slowest; the seed is the last.
+    # The load is the first key, and changes slowest; the seed, or what is scattered, is the last.
     for at, one in enumerate(plan.inputs):
         is_load = shares is not None and at == 0
-        labels = [_label(one.key.formatted(value)) for value in plan.rows()[:, at]]
-        if one.name != 'deviations.seed' or seeds == 1:
-            labels = labels[:: candidates * seeds] if is_load else labels[: candidates * seeds : seeds]
+        if one.name not in inner:
+            labels = [_label(one.key.formatted(value)) for value in plan.rows()[:, at]]
+            labels = labels[:: candidates * each] if is_load else labels[: candidates * each : each]
             coords[one.name] = 'load' if is_load else 'candidate', labels, data[one.name].attrs
-    factors = xarray.DataArray(values.reshape(loads, candidates, -1, lacks.shape[-1]), coords,
+    factors = xarray.DataArray(values.reshape(loads, candidates, -1, values.shape[-1]), coords,
                                ('load', 'candidate', 'draw', 'assembly'), f'largest_{judged}', {'units': quantity.unit})  # fmt: skip
-    nominal = data[NOMINAL].values.reshape(loads, candidates, seeds)[..., 0].T
-    return nominal, factors.transpose('candidate', 'draw', 'assembly', 'load')
+    return nominal.T, factors.transpose('candidate', 'draw', 'assembly', 'load')
 
 
 def _warn_of_inexact(inexact: Reals, sample: Reals) -> None:
@@ -284,7 +333,7 @@ def _label(value: Any) -> Any:
 
 def _cause(data: xarray.Dataset, plan: Plan, judged: str, store: str | os.PathLike | None) -> str:
     """Describes the first variant without numbers by its keys, and the reason, if a store has it."""
-    values = criterion(judged).worst(data, data[LACKS].values)
+    values = criterion(judged).worst(data)
     at = int(np.isfinite(values.reshape(plan.n, -1)).all(axis=1).argmin())
     keys = ', '.join(f'&{key.group} {key.key} = {_label(key.formatted(value))}' for key, value in zip(plan.keys, plan.rows(at, at + 1)[0]))
     if store is None:
@@ -332,10 +381,10 @@ def _report(found: Robust) -> str:
     best = found.best
     others = [_name(one, names) for one in each if not float(one['worse_lower']) > 0 and int(one['candidate']) != int(best['candidate'])]
     lines = [_counts(of, judged), *('  '.join(cell.rjust(size) for cell, size in zip(row, wide)) for row in rows)]
-    lines.append(f'Best as built: {_name(best, names)}: {float(best["value"]):.{digits}f}{unit}')
+    lines.append(f'Best {judged.state}: {_name(best, names)}: {float(best["value"]):.{digits}f}{unit}')
     if not np.isnan(table['nominal']).all():
         one = found.nominal
-        lines.append(f'Best nominal: {_name(one, names)}: {float(one["nominal"]):.{digits}f}{unit}, as built {float(one["value"]):.{digits}f}{unit}')
+        lines.append(f'Best nominal: {_name(one, names)}: {float(one["nominal"]):.{digits}f}{unit}, {judged.state} {float(one["value"]):.{digits}f}{unit}')
     lines.append(f'Not distinguishable from the best by these draws: {"; ".join(others) or "none"}')
     if np.isnan([float(one[end]) for one in each for end in ('lower', 'upper')]).any():
         lines.append(f'?: too few draws for this quantile and confidence; {cluster_quantiles.enough(of["quantile"], of["confidence"])} are enough')
@@ -343,7 +392,8 @@ def _report(found: Robust) -> str:
 
 
 def _counts(of: Mapping[Any, Any], judged: Criterion) -> str:
-    text = f'{judged.words}{judged.unit and f", {judged.unit}"}; pairs of gears: {of["draws"]}, assemblies of each: {of["assemblies"]}'
+    draws = f'pairs of gears: {of["draws"]}, assemblies of each: {of["assemblies"]}' if judged.is_as_built else f'draws: {of["draws"]}'
+    text = f'{judged.words}{judged.unit and f", {judged.unit}"}; {draws}'
     if of['loads'] > 1:
         text += f', loads: {of["loads"]}'
     if of['draws_left_out'] or of['candidates_left_out']:

@@ -1,4 +1,6 @@
-"""The valley of robust reliefs: the criterion, such as the dynamic factor, over the amount of relief, nominal and as built."""
+"""The valley of robust reliefs: the criterion, such as the dynamic factor, over the amount of relief or crowning, nominal and over
+the draws.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 
 def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | None = None) -> Figure:
     """Draws the criterion, such as the largest dynamic factor, over one of the varied keys: the nominal value, and median and
-    quantile as built with its band. The best candidate as built is marked, and the best nominal one with its value as built. Each
+    quantile of the draws with its band. The best candidate over the draws is marked, and the best nominal one with its value over them. Each
     combination of the other keys has a panel.
 
     Parameters
@@ -79,11 +81,12 @@ def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | Non
 def _panel(ax: Axes, table: xarray.Dataset, along: str) -> None:
     """Draws the curves of candidates that differ in one key."""
     x, of = table[along].values, table.attrs
-    ax.plot(x, table['value'], '.-', color=ACCENT, label=f'{100 * of["quantile"]:g} % as built')
+    state = CRITERIA[of['judged']].state
+    ax.plot(x, table['value'], '.-', color=ACCENT, label=f'{100 * of["quantile"]:g} % {state}')
     known = np.isfinite(table['lower'].values + table['upper'].values)
     if (known[1:] & known[:-1]).any():  # a single candidate has no curve
         ax.fill_between(x, table['lower'], table['upper'], color=ACCENT, alpha=0.25, linewidth=0, label=f'its {100 * of["confidence"]:g} % band')
-    ax.plot(x, table['median'], color=GREY, label='median as built')
+    ax.plot(x, table['median'], color=GREY, label=f'median {state}')
     ax.plot(x, table['nominal'], label='nominal', **NOMINAL)
     ax.margins(x=0.1, y=0.12)  # space for the labels of the marks
 
