@@ -16,23 +16,23 @@ module gearsweep_study_reader_unit_slips
 
 contains
 
-  !> Explains why the largest of a key's numbers is unusual; empty if it is not.
+  !> Explains why the number of largest magnitude of a key is unusual; empty if it is not.
   pure subroutine find_slip(key, unit, numbers, words)
     character(*), intent(in) :: key, unit
     real(dp), intent(in) :: numbers(:)           !< numbers in this unit
     character(:), allocatable, intent(out) :: words
     character(:), allocatable :: other
     type(bounds_t) :: any_bounds
-    real(dp) :: largest, least, most
+    real(dp) :: largest, least, most             ! largest with its sign, so that it can be copied
 
     words = ''
     call usual(key, unit, least, most)
-    largest = maxval(abs(numbers))
+    largest = numbers(maxloc(abs(numbers), 1))
     ! Zero is zero in every unit.
-    if (.not. largest > 0 .or. (largest >= least .and. largest <= most)) return
+    if (.not. abs(largest) > 0 .or. (abs(largest) >= least .and. abs(largest) <= most)) return
     words = str(largest)
     if (size(numbers) > 1) words = 'at most '//words
-    if (least <= 0) words = words//' is unusual: at most '//str(most)//' '//unit//' is usual'
+    if (least <= 0) words = words//' is unusual: at most '//trim(str(most)//' '//unit)//' is usual'
     if (least > 0 .and. most >= huge(most)) words = words//' is unusual: '//str(least)//' '//unit//' or more is usual'
     if (least > 0 .and. most < huge(most)) words = words//' is unusual: '//str(least)//' to '//str(most)//' '//unit//' is usual'
     call other_unit(key, unit, any_bounds, largest, other)
@@ -51,7 +51,7 @@ contains
 
     words = ''
     call usual(key, unit, least, most)
-    others = others_of(unit)
+    others = others_of(key, unit)
     do i = 1, size(others)
       associate (meant => others(i)%factor*number)
         if (abs(meant) < least .or. abs(meant) > most .or. .not. (abs(number) > 0 .and. bounds%allow(meant))) cycle
@@ -76,7 +76,9 @@ contains
       if (key == 'start_um') least = 0
       if (index(key, 'wave') > 0) least = 0.01_dp
       if (key == 'roughness_um') least = 0.02_dp
-      if (index(key, 'relief') > 0 .or. key == 'amount_um') least = 0.05_dp
+      if (index(key, 'relief') > 0) least = 0.05_dp
+      ! The largest relief of a list; in millimetres 0.5 and less.
+      if (key == 'amount_um') least = 0.5_dp
       if (key == 'backlash_um' .or. key == 'thickness_allowance_um') least = 1
     case ('kg/m^3')
       least = 200
@@ -101,12 +103,21 @@ contains
       most = 500
     case ('N/um')
       most = 1e5_dp
+    case ('')
+      if (is_share(key)) most = 1
     case default
     end select
   end subroutine usual
 
-  pure function others_of(unit) result(others)
-    character(*), intent(in) :: unit
+  !> Numbers without a unit that are often written in per cent.
+  pure logical function is_share(key)
+    character(*), intent(in) :: key
+
+    is_share = any(key == [character(20) :: 'damping_ratio', 'friction', 'friction_coefficient', 'poisson'])
+  end function is_share
+
+  pure function others_of(key, unit) result(others)
+    character(*), intent(in) :: key, unit
     type(other_t), allocatable :: others(:)
     real(dp), parameter :: degrees = 57.295779513082323_dp
 
@@ -132,6 +143,8 @@ contains
       others = [other_t('kJ/(kg K)', 1e3_dp)]
     case ('N/um')
       others = [other_t('N/mm', 1e-3_dp), other_t('N/m', 1e-6_dp)]
+    case ('')
+      if (is_share(key)) others = [other_t('%', 1e-2_dp)]
     case default
     end select
   end function others_of

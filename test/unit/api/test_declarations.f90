@@ -352,7 +352,16 @@ contains
     call caution('&pinion density_kgm3 = 7.85', '&pinion density_kgm3: 7.85 is unusual')
     call caution('&pair backlash_um = 0.08', '1 um or more is usual; if 0.08 mm is meant, write 80')
     call caution('&pair backlash_um = 0', '')
-    call caution('&pinion thickness_allowance_um = -0.06', '&pinion thickness_allowance_um: 0.06 is unusual')
+    ! A damping ratio of 0.17 in per cent, which would hide all resonances.
+    call caution('&dynamics damping_ratio = 17', '&dynamics damping_ratio: 17 is unusual: at most 1 is usual; '// &
+                 'if 17 % is meant, write 0.17')
+    call caution('&dynamics damping_ratio = 1', '')
+    ! Reliefs of 0 and 60 um in millimetres, above the least relief that is allowed.
+    call caution('&relief amount_um = 0, 0.06', '&relief amount_um: at most 0.06 is unusual: 0.5 um or more is usual; '// &
+                 'if 0.06 mm is meant, write 60')
+    call caution('&relief amount_um = 0, 0.06, 10', '')
+    call caution('&pinion thickness_allowance_um = -0.06', '&pinion thickness_allowance_um: -0.06 is unusual: '// &
+                 '1 um or more is usual; if -0.06 mm is meant, write -60')
     call caution('&pinion thickness_allowance_um = 0', '')
     call caution('&deviations pinion_runout_um = 0.02 pinion_runout_phase_deg = 0', '&deviations pinion_runout_um: 0.02 is unusual')
     call caution('&deviations pinion_single_pitch_um = 20*0.008, -0.16 pinion_counting = ''clockwise'' '// &
