@@ -684,6 +684,12 @@ def body_bench(sector):
     return [float(cell) for row in rows if row[0] == str(sector) for cell in row[1:]]
 
 
+def face_bench(quantity):
+    """Largest difference in per cent from finite elements in three dimensions: bench/measured/face.csv."""
+    head, *rows = [line.split(',') for line in (REFERENCE.parents[1] / 'bench/measured/face.csv').read_text(encoding='utf-8').splitlines()[1:]]
+    return np.nanmax([abs(float(row[head.index(f'{quantity} %')])) for row in rows])
+
+
 def many_bench(row):
     """A row of bench/measured/many.csv."""
     rows = [line.split(',') for line in (REFERENCE.parents[1] / 'bench/measured/many.csv').read_text(encoding='utf-8').splitlines()[2:]]
