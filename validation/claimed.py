@@ -95,6 +95,30 @@ def disc(bore):
     return [motion.body_rotation_um, motion.body_coupling_um, stiffness, static.mean() / width, error, worst]
 
 
+def jump_ends():
+    """Ends of motions in jumps.dat, folds and doublings among them."""
+    kinds = [row[7] for row in _rows('jumps')]
+    return [len(kinds), kinds.count(1), kinds.count(-1)]
+
+
+def chaos_rows():
+    """Motions in chaos.dat whose exponent is above 0, below it, and how many standard errors the test allows."""
+    exponents = [row[2] for row in _rows('chaos')]
+    test = (REFERENCE.parent / 'unit/nonlinear/test_branches.f90').read_text(encoding='utf-8')
+    return [sum(one > 0 for one in exponents), sum(one < 0 for one in exponents), float(re.search(r'absolute=([\d.]+)\*deviation', test)[1])]
+
+
+def _rows(name):
+    lines = (REFERENCE / f'{name}.dat').read_text(encoding='utf-8').splitlines()
+    return [tuple(map(float, line.split())) for line in lines if line[0] != '#']
+
+
+def corner_part():
+    """One over the part by which a corner is softer under a small load than the secant."""
+    mesh = (REFERENCE.parents[1] / 'src/mesh/mesh.f90').read_text(encoding='utf-8')
+    return 1 / float(re.search(r' corner_uncertainty = ([\d.]+)_dp', mesh)[1])
+
+
 def hub(bore, ratio):
     """Case 1 with whole gears on this bore, mm, and this inertia there over that of the gear: how many per cent a natural
     frequency lies above that of finite elements with a hub: all inertia in one body, the motion's, the chain's."""
