@@ -119,6 +119,12 @@ def corner_part():
     return 1 / float(re.search(r' corner_uncertainty = ([\d.]+)_dp', mesh)[1])
 
 
+def most_body_tenths():
+    """Tenths of the root radius to which the body of a gear without a bore reaches at most."""
+    section = (REFERENCE.parents[1] / 'src/elastic/section.f90').read_text(encoding='utf-8')
+    return 10 * (1 - 1 / float(re.search(r'gear%tip_radius - gear%root_radius\), gear%root_radius/(\d+)\)', section)[1]))
+
+
 def hub(bore, ratio):
     """Case 1 with whole gears on this bore, mm, and this inertia there over that of the gear: how many per cent a natural
     frequency lies above that of finite elements with a hub: all inertia in one body, the motion's, the chain's."""

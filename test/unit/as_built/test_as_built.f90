@@ -25,7 +25,8 @@ module test_as_built
   use gearsweep_motion_response, only: find_turn, turn_t
   use test_support_ask_by_name, only: answer_t, ask, refusal
   use test_support_reference_rows, only: next_row
-  use test_support_testing, only: check_close, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
+  use test_support_testing, only: check_close, check_equal, check_error, check_no_error, check_true, new_folder, &
+    remove_folder, tally_t
   implicit none
   private
   public :: run, given_t, read_given, springs
@@ -74,6 +75,7 @@ contains
     if (t%wants('inspected')) call inspected(t)
     if (t%wants('inspected_again')) call inspected_again(t)
     if (t%wants('followed')) call followed(t)
+    if (t%wants('each_turn')) call each_turn(t)
     if (t%wants('told_again')) call told_again(t)
     if (t%wants('unanswered')) call unanswered(t)
     if (t%wants('not_counted')) call not_counted(t)
@@ -950,7 +952,8 @@ contains
     call check_close(t, 'all are accepted', within(1), 1.0_dp, absolute=0.0_dp)
   end subroutine inspected_again
 
-  !> Gears without errors are nominal: so is their root stress, of each relief at the speed of its own largest dynamic factor.
+  !> Gears without errors are nominal: so are their dynamic factors and their root stress, of each relief at the speed of its own
+  !> largest dynamic factor.
   subroutine stress_of_each_relief(t)
     type(tally_t), intent(inout) :: t
     type(answer_t) :: answer
@@ -969,6 +972,14 @@ contains
       nominal = answer%all_of('as_built_worst.nominal_'//trim(merge('pinion', 'gear  ', i == 1))//'_root_stress_mpa')
       call check_true(t, 'root stress of each relief', size(own) == 3 .and. all(abs(own - nominal) < 1e-4_dp*own))
     end do
+    ! Nor have they another dynamic factor, each to the tolerance of the case.
+    own = answer%all_of('as_built_worst.dynamic_factor')
+    nominal = answer%all_of('as_built_worst.nominal_factor')
+    call check_true(t, 'different factors', size(own) == 3 .and. maxval(own) > minval(own) + 0.01_dp)
+    call check_true(t, 'nominal factor of each relief', all(abs(own - nominal) < 2e-6_dp*own))
+    call check_true(t, 'and in the summary', all(abs(own - answer%all_of('as_built_summary.nominal_factor')) < 2e-6_dp*own))
+    call check_true(t, 'and at each speed', all(abs(answer%all_of('as_built.dynamic_factor') - &
+                                                    answer%all_of('as_built.nominal_factor')) < 2e-6_dp*maxval(own)))
   end subroutine stress_of_each_relief
 
   !> The pair of gears and the assembly that are followed are those that are asked for: the largest load of their turn is their
@@ -989,6 +1000,8 @@ contains
                ', assembly = ''all'', pinion_wave_order = 13, pinion_wave_um = 1, pinion_wave_phase_deg = 0 /', answer)
       factor = answer%all_of('as_built_worst.dynamic_factor')
       call check_true(t, 'pairs of gears and assemblies', size(factor) == draws*assemblies)
+      ! The least common multiple of the numbers of teeth.
+      call check_true(t, 'until the same teeth meet', all(nint(answer%all_of('as_built.mesh_periods')) == 100))
       largest = answer%all_of('as_built_loads.load_ratio')
       ! Each to the tolerance of the case.
       call check_close(t, 'the pair of gears that is followed', maxval(largest), factor(assemblies*(3 - k) + 2*k), 1e-6_dp)
@@ -1006,6 +1019,34 @@ contains
     call check_close(t, 'best pair of gears', answer%one('as_built_summary.best_draw'), 1.0_dp + best/assemblies)
     call check_close(t, 'best assembly', answer%one('as_built_summary.best_assembly'), 1.0_dp + modulo(best, assemblies))
   end subroutine followed
+
+  !> Turns at two speeds have the rows of either speed alone.
+  subroutine each_turn(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: pairs = 20
+    character(*), parameter :: speeds(*) = [character(10) :: '6000, 9000', '6000', '9000'], &
+      columns(*) = [character(10) :: 'load_n', 's', 'gear_tooth']
+    type(answer_t) :: answer
+    real(dp) :: rows(2*pairs, size(columns), size(speeds))
+    integer :: i, k, n
+
+    rows = 0
+    do k = 1, size(speeds)
+      call ask(t, '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 20 / '// &
+               '&gear teeth = 20 / &load torque_nm = 100 / &mesh model = ''weber'' / &as_built rpm = 3000, turn_rpm = '// &
+               trim(speeds(k))//' / &deviations pinion_class = 7, gear_class = 7 /', answer)
+      n = merge(2, 1, k == 1)*pairs
+      do i = 1, size(columns)
+        call check_equal(t, 'rows of '//trim(columns(i)), size(answer%all_of('as_built_loads.'//trim(columns(i)))), n)
+        rows(:n, i, k) = answer%all_of('as_built_loads.'//trim(columns(i)))
+      end do
+    end do
+    call check_true(t, 'different places', any(abs(rows(:pairs, 2, 2) - rows(:pairs, 2, 3)) > 1e-3_dp))
+    do i = 1, size(columns)
+      call check_true(t, 'both speeds: '//trim(columns(i)), &
+                      all(abs(rows(:, i, 1) - [rows(:pairs, i, 2), rows(:pairs, i, 3)]) <= 0))
+    end do
+  end subroutine each_turn
 
   !> A drawn pair of gears has the same motion where its errors are told by lists, as the table of its teeth has them.
   subroutine told_again(t)

@@ -254,6 +254,13 @@ contains
                        z*1500/rating%number('contact_stress_mpa', i), 1e-12_dp)
       call check_close(t, 'S_F', rating%number('root_life_safety', i), y*850/rating%number('root_stress_mpa', i), 1e-12_dp)
     end do
+    ! A nitrided gear has the knee of its own material, 2e6 for the flank.
+    call solve_case(t, '&pinion teeth = 21 / &gear teeth = 34 / &mesh model = ''iso6336'' / &life rpm = 3000 duration_h = 1 / ', &
+                    'rating', rating, ' material = ''case_hardened'', ''nitriding_steel'' life_h = 8000')
+    z = 0.85_dp**(log(cycles(1)/5e7_dp)/log(200.0_dp))
+    call check_close(t, 'Z_NT of the pinion', rating%number('contact_life_factor', 1), z, 1e-12_dp)
+    z = 0.85_dp**(log(cycles(2)/2e6_dp)/log(5000.0_dp))
+    call check_close(t, 'Z_NT of the gear', rating%number('contact_life_factor', 2), z, 1e-12_dp)
   end subroutine safety_for_a_life
 
   !> The material's curves by hand, under static loads high enough that both parts harm: root stresses are in proportion to the load
