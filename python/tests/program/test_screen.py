@@ -43,6 +43,7 @@ CASES_VERBOSE = {
 &sweep rpm_first = 3000 rpm_last = 30000 rpm_step = 4000 load_rpm = 4000, 6000 /
 """,
     'chaotic': CHAOTIC,
+    'chaotic last': CHAOTIC.replace('0, 10', '10, 0'),
 }
 ANSWERED = {'ok', 'marginal', 'subharmonic', 'inexact'}
 
@@ -198,6 +199,13 @@ def test_counts_and_errors(runs, name):
                         'aperiodic': 'no periodic motion', 'chaotic': 'disturbances keep growing', 'transient': 'had not died away',
                         'unbounded': 'no bound was seen'}.items():
         assert part in words.get(state, part)
+
+
+def test_the_periods_that_were_watched_are_those_of_the_largest_of_all_reliefs(program, tmp_path):
+    run = Run(program, 'chaotic last', tmp_path)
+    row = max(run.tables['sweep'], key=lambda one: float(one['seen_dynamic_factor'].replace('NaN', '0')))
+    assert float(row['relief_um']) == 0 and int(row['seen_periods']) > 100
+    assert run.line('"seen"').endswith(f'watched for {row["seen_periods"]} mesh periods')
 
 
 def test_what_was_seen_of_motions_that_do_not_repeat(program, tmp_path):

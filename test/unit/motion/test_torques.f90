@@ -138,6 +138,8 @@ contains
     call check_true(t, 'no better factor', answer%one('optimum.worst_dynamic_factor') < least + 2e-5_dp)
     call check_close(t, 'its relief', answer%one('optimum.relief_um'), step*(minloc(maxval(factor, 2), 1) - 1), absolute=step)
     call check_close(t, 'its factor', answer%one('optimum.worst_dynamic_factor'), least, absolute=0.02_dp)
+    call check_true(t, 'the largest of all motions is under the worst torque', answer%one('optimum.largest_dynamic_factor') >= &
+                    answer%one('optimum.worst_dynamic_factor'))
     call ask(t, '&case tasks = ''optimum'' / '//plain//'&load torques_nm = 150, 300 / &optimum judged = ''dte_rms'' /', answer)
     least = minval(maxval(rms, 2))
     call check_true(t, 'no better error', answer%one('optimum.dte_rms_um') < least + 1e-4_dp)
