@@ -352,7 +352,7 @@ contains
 
     alignment%misalignment = 20e-6_dp
     do i = 1, 2
-      call make(t, teeth([i, 3 - i]), none, 2.0_dp, 20.0_dp, pair)
+      call make(t, [teeth(i), teeth(3 - i)], none, 2.0_dp, 20.0_dp, pair)
       call make_face_mesh(pair, steel, fe_options_t(), face, error)
       call check_no_error(t, 'mesh', error)
       call find_face_load(face, alignment, 150e3_dp*face%width, found(i), error)
