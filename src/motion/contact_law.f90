@@ -5,23 +5,25 @@
 !> The effective stiffness g_j and the touching deflection t_j hold while the pairs of one contact set are in contact, at one
 !> place of the mesh period. Pair j touches at x = t_j, whether it belongs to the set or not: the set holds where x > t_j for
 !> exactly its pairs.
-!> Three kinds of compliance enter the law; the integration uses the law alone and is the same for all of them:
+!> The loads of the pairs in contact follow from one equation,
 !>
-!> - pairs that share no compliance: g_j is their stiffness K_j and t_j their profile error e_j;
-!> - pairs that share one compliance C, a spring in series with all of them. With their own stiffness k_j = K_j/(1 - C K_j),
-!>   A = sum k_j and B = sum k_j e_j over the set: g_j = k_j/(1 + C A), t_j = e_j (1 + C A) - C B;
-!> - three pairs and more, of which neighbours share more than others. The matrix C has the deflection of each pair per load on a
-!> pair; its diagonal is 1/K_j, the compliance of a pair that carries alone. C F = x - e over the set gives F = g x - h with C g =
-!> 1 and C h = e, and t_j = (e_j - sum C_ji h_i)/(1 - sum C_ji g_i) over the others.
+!>   (I + K C) F = K (x - e),
 !>
-!> `find_law` returns the law at one place with its first and second derivatives over the variable of the arguments' derivatives,
-!> (0:2, pair), `find_law_values` values alone at several places, (place, pair).
+!> with the stiffness K_j of a pair that carries alone, 0 where it is open, its profile error e_j, and the deflection C_ji of a pair
+!> per load on another one: 0 where pairs share no compliance, the same for all where they share one spring in series, and larger
+!> for neighbours among three pairs and more. The solution is F = W (x - e), so g = W 1. Pair j touches where its own load vanishes
+!> beside those of the others: t_j = (e_j - sum C_ji W_ik e_k)/(1 - sum C_ji g_i) is linear in the profile errors. Its weights
+!> do not depend on these, so that all mesh periods of gears with deviations share them. The integration uses the law alone.
+!>
+!> Arrays (0:2, pair) hold a value at one place with its first and second derivative over the variable of the arguments'
+!> derivatives, arrays (0:0, pair) the value alone; `find_law_values` finds values at several places, (place, pair).
 module gearsweep_motion_contact_law
-  use gearsweep_base, only: dp, solve_small
+  use gearsweep_base, only: dp
   use gearsweep_mesh, only: interval_t, mesh_t
   implicit none
   private
-  public :: shared_t, springs_t, find_law, find_law_values, springs_at, find_law_of_pair, find_closed, product_of
+  public :: shared_t, springs_t, find_law, find_law_values, find_response, find_touching, springs_at, find_law_of_pair, &
+            find_closed, product_of
 
   !> Kind of compliance that the pairs share.
   type :: shared_t
@@ -41,53 +43,144 @@ module gearsweep_motion_contact_law
 
 contains
 
-  !> Computes the law of a contact set at one place, with derivatives.
+  !> Computes the response of a contact set at one place: the effective stiffness, and the touching deflections as sums of the
+  !> profile errors times `weight`. With derivatives where the arrays have them: (0:2, pair), else (0:0, pair).
+  pure subroutine find_response(contact_set, kind, stiffness, shared, effective, weight)
+    integer, intent(in) :: contact_set           !< bit j - 1: pair j is in contact
+    type(shared_t), intent(in) :: kind
+    real(dp), intent(in) :: stiffness(0:, :), shared(0:, :)  !< as in springs_t; (derivative, pair)
+    real(dp), intent(out) :: effective(0:, :)    !< g_j, N/m; 0 for an open pair; (derivative, pair)
+    real(dp), intent(out) :: weight(0:, :, :)    !< w_ji of t_j = sum w_ji e_i; (derivative, pair j, pair i)
+    real(dp), dimension(size(stiffness, 2), size(stiffness, 2), 0:ubound(stiffness, 1)) :: c, a, w, cw
+    real(dp), dimension(size(stiffness, 2), size(stiffness, 2)) :: inverse
+    real(dp), dimension(0:ubound(stiffness, 1), size(stiffness, 2)) :: k
+    real(dp) :: less(0:ubound(stiffness, 1))
+    integer :: i, j, n, p
+
+    n = ubound(stiffness, 1)
+    p = size(stiffness, 2)
+    do j = 1, p
+      k(:, j) = merge(stiffness(0:n, j), 0.0_dp, btest(contact_set, j - 1))
+    end do
+    weight(0:n, :, :) = 0
+    do j = 1, p
+      weight(0, j, j) = 1
+    end do
+    if (.not. kind%any) then
+      effective(0:n, :) = k
+      return
+    end if
+    c = 0
+    c(:, :, 0) = kind%beyond
+    do j = 1, p
+      do i = 1, p
+        if (i == j) then
+          c(i, j, :) = 0
+        else if (.not. kind%coupled) then
+          c(i, j, :) = shared(0:n, 1)
+        else if (abs(i - j) == 1) then
+          c(i, j, :) = shared(0:n, min(i, j))
+        end if
+      end do
+    end do
+    ! (I + K C) F = K (x - e): its matrix is inverted once, as the derivatives of the equation have the same one.
+    do j = 1, p
+      a(:, j, 0) = k(0, :)*c(:, j, 0)
+      a(j, j, 0) = a(j, j, 0) + 1
+    end do
+    call invert(a(:, :, 0), inverse)
+    do j = 1, p
+      w(:, j, 0) = inverse(:, j)*k(0, j)
+    end do
+    cw(:, :, 0) = matmul(c(:, :, 0), w(:, :, 0))
+    if (n == 2) then
+      do j = 1, p
+        a(:, j, 1) = k(1, :)*c(:, j, 0) + k(0, :)*c(:, j, 1)
+        a(:, j, 2) = k(2, :)*c(:, j, 0) + 2*k(1, :)*c(:, j, 1) + k(0, :)*c(:, j, 2)
+      end do
+      w(:, :, 1) = -matmul(a(:, :, 1), w(:, :, 0))
+      do j = 1, p
+        w(j, j, 1) = w(j, j, 1) + k(1, j)
+      end do
+      w(:, :, 1) = matmul(inverse, w(:, :, 1))
+      w(:, :, 2) = -matmul(a(:, :, 2), w(:, :, 0)) - 2*matmul(a(:, :, 1), w(:, :, 1))
+      do j = 1, p
+        w(j, j, 2) = w(j, j, 2) + k(2, j)
+      end do
+      w(:, :, 2) = matmul(inverse, w(:, :, 2))
+      cw(:, :, 1) = matmul(c(:, :, 1), w(:, :, 0)) + matmul(c(:, :, 0), w(:, :, 1))
+      cw(:, :, 2) = matmul(c(:, :, 2), w(:, :, 0)) + 2*matmul(c(:, :, 1), w(:, :, 1)) + matmul(c(:, :, 0), w(:, :, 2))
+    end if
+    do j = 1, p
+      effective(0:n, j) = sum(w(j, :, :), 1)
+      ! Pair j without load: (1 - sum C g) x = e_j - sum C W e over the others.
+      less = sum(cw(j, :, :), 1)
+      less(0) = 1 - less(0)
+      weight(0, j, :) = (weight(0, j, :) - cw(j, :, 0))/less(0)
+      if (n < 2) cycle
+      weight(1, j, :) = (less(1)*weight(0, j, :) - cw(j, :, 1))/less(0)
+      weight(2, j, :) = (less(2)*weight(0, j, :) + 2*less(1)*weight(1, j, :) - cw(j, :, 2))/less(0)
+    end do
+  end subroutine find_response
+
+  !> Inverts a small matrix whose leading minors are positive, by Gauss elimination without pivoting.
+  pure subroutine invert(matrix, inverse)
+    real(dp), intent(in) :: matrix(:, :)
+    real(dp), intent(out) :: inverse(:, :)
+    real(dp) :: pivot, column(size(matrix, 1))
+    integer :: j, k, n
+
+    n = size(matrix, 1)
+    inverse = matrix
+    do k = 1, n
+      pivot = 1/inverse(k, k)
+      column = -pivot*inverse(:, k)
+      column(k) = pivot
+      do j = 1, n
+        if (j == k) cycle
+        associate (factor => inverse(k, j))
+          inverse(:k - 1, j) = inverse(:k - 1, j) + column(:k - 1)*factor
+          inverse(k + 1:, j) = inverse(k + 1:, j) + column(k + 1:)*factor
+        end associate
+        inverse(k, j) = pivot*inverse(k, j)
+      end do
+      inverse(:, k) = column
+    end do
+  end subroutine invert
+
+  !> Computes touching deflections (m) from the weights of `find_response`, with derivatives where the arrays have them.
+  pure subroutine find_touching(weight, profile_error, touching)
+    real(dp), intent(in) :: weight(0:, :, :)     !< (derivative, pair j, pair i)
+    real(dp), intent(in) :: profile_error(0:, :)           !< e_i, m; (derivative, pair)
+    real(dp), intent(out) :: touching(0:, :)     !< t_j, m; (derivative, pair)
+    integer :: i, j, n
+
+    n = ubound(profile_error, 1)
+    do j = 1, size(touching, 2)
+      touching(0:n, j) = 0
+      do i = 1, size(touching, 2)
+        associate (w => weight(:, j, i), e => profile_error(:, i))
+          touching(0, j) = touching(0, j) + w(1)*e(1)
+          if (n < 2) cycle
+          touching(1, j) = touching(1, j) + w(2)*e(1) + w(1)*e(2)
+          touching(2, j) = touching(2, j) + w(3)*e(1) + 2*w(2)*e(2) + w(1)*e(3)
+        end associate
+      end do
+    end do
+  end subroutine find_touching
+
+  !> Computes the law of a contact set at one place, with derivatives where the arrays have them.
   pure subroutine find_law(contact_set, kind, stiffness, profile_error, shared, effective, touching)
     integer, intent(in) :: contact_set           !< bit j - 1: pair j is in contact
     type(shared_t), intent(in) :: kind
-    real(dp), intent(in) :: stiffness(0:, :), profile_error(0:, :), shared(0:, :)  !< as in springs_t; (0:2, pair)
-    real(dp), intent(out) :: effective(0:, :)    !< g_j, N/m; 0 for an open pair; (0:2, pair)
-    real(dp), intent(out) :: touching(0:, :)     !< t_j, m; (0:2, pair)
-    integer :: j
+    real(dp), intent(in) :: stiffness(0:, :), profile_error(0:, :), shared(0:, :)  !< as in springs_t; (derivative, pair)
+    real(dp), intent(out) :: effective(0:, :)    !< g_j, N/m; 0 for an open pair; (derivative, pair)
+    real(dp), intent(out) :: touching(0:, :)     !< t_j, m; (derivative, pair)
+    real(dp) :: weight(0:ubound(stiffness, 1), size(stiffness, 2), size(stiffness, 2))
 
-    if (kind%coupled) then
-      call find_coupled(contact_set, compliances(stiffness, shared, kind%beyond), profile_error, effective, touching)
-    else if (kind%any) then
-      call find_in_series(contact_set, stiffness, profile_error, shared(:, 1), effective, touching)
-    else
-      do j = 1, size(stiffness, 2)
-        effective(0:2, j) = 0
-        if (btest(contact_set, j - 1)) effective(0:2, j) = stiffness(0:2, j)
-        touching(0:2, j) = profile_error(0:2, j)
-      end do
-    end if
+    call find_response(contact_set, kind, stiffness, shared, effective, weight)
+    call find_touching(weight, profile_error, touching)
   end subroutine find_law
-
-  !> Computes the law of pairs that share one compliance.
-  pure subroutine find_in_series(contact_set, stiffness, profile_error, shared, effective, touching)
-    integer, intent(in) :: contact_set
-    real(dp), intent(in) :: stiffness(0:, :), profile_error(0:, :), shared(0:2)
-    real(dp), intent(out) :: effective(0:, :), touching(0:, :)
-    real(dp), dimension(0:2) :: a, b, soft
-    integer :: j
-
-    a = 0
-    b = 0
-    do j = 1, size(stiffness, 2)
-      effective(0:2, j) = 0
-      if (.not. btest(contact_set, j - 1)) cycle
-      effective(0:2, j) = own_stiffness(shared, stiffness(0:2, j))
-      a = a + effective(0:2, j)
-      b = b + product_of(effective(0:2, j), profile_error(0:2, j))
-    end do
-    soft = product_of(shared, a)
-    soft(0) = 1 + soft(0)
-    b = product_of(shared, b)
-    do j = 1, size(stiffness, 2)
-      effective(0:2, j) = quotient_of(effective(0:2, j), soft)
-      touching(0:2, j) = product_of(profile_error(0:2, j), soft) - b
-    end do
-  end subroutine find_in_series
 
   !> Computes the law of a contact set at several places, values alone.
   pure subroutine find_law_values(contact_set, kind, stiffness, profile_error, shared, effective, touching)
@@ -96,129 +189,20 @@ contains
     real(dp), intent(in) :: stiffness(:, :), profile_error(:, :), shared(:, :)     !< as in springs_t
     real(dp), intent(out) :: effective(:, :)     !< g_j, N/m; 0 for an open pair; (place, pair)
     real(dp), intent(out) :: touching(:, :)      !< t_j, m; (place, pair)
-    real(dp) :: a, b
     integer :: j, k
 
-    do k = 1, merge(size(stiffness, 1), 0, kind%coupled)
-      call find_coupled(contact_set, compliances(stiffness(k:k, :), shared(k:k, :), kind%beyond), profile_error(k:k, :), &
-                        effective(k:k, :), touching(k:k, :))
-    end do
-    if (kind%coupled) return
-    do j = 1, size(stiffness, 2)
-      effective(:, j) = 0
-      if (btest(contact_set, j - 1)) effective(:, j) = stiffness(:, j)
-      touching(:, j) = profile_error(:, j)
-    end do
-    do k = 1, merge(size(stiffness, 1), 0, kind%any)
-      a = 0
-      b = 0
-      do j = 1, size(stiffness, 2)
-        effective(k, j) = effective(k, j)/(1 - shared(k, 1)*effective(k, j))
-        a = a + effective(k, j)
-        b = b + effective(k, j)*profile_error(k, j)
+    if (kind%any) then
+      do k = 1, size(stiffness, 1)
+        call find_law(contact_set, kind, stiffness(k:k, :), profile_error(k:k, :), shared(k:k, :), effective(k:k, :), &
+                      touching(k:k, :))
       end do
+    else
       do j = 1, size(stiffness, 2)
-        effective(k, j) = effective(k, j)/(1 + shared(k, 1)*a)
-        touching(k, j) = profile_error(k, j)*(1 + shared(k, 1)*a) - shared(k, 1)*b
+        effective(:, j) = merge(stiffness(:, j), 0.0_dp, btest(contact_set, j - 1))
+        touching(:, j) = profile_error(:, j)
       end do
-    end do
+    end if
   end subroutine find_law_values
-
-  !> Computes the law of coupled pairs; without derivatives where the arrays have none.
-  pure subroutine find_coupled(contact_set, c, profile_error, effective, touching)
-    integer, intent(in) :: contact_set
-    real(dp), intent(in) :: c(0:, :, :)          ! compliance matrix
-    real(dp), intent(in) :: profile_error(0:, :)
-    real(dp), intent(out) :: effective(0:, :), touching(0:, :)
-    real(dp), dimension(0:ubound(c, 1), size(c, 3)) :: h
-    real(dp), dimension(0:2) :: part, left, with
-    integer :: i, j, n
-
-    n = ubound(c, 1)
-    call respond(contact_set, c, profile_error, effective, h)
-    with = 0
-    do j = 1, size(c, 3)
-      part = 0
-      part(0) = 1
-      left = 0
-      left(:n) = profile_error(:, j)
-      do i = 1, size(c, 3)
-        if (i == j) cycle
-        with(:n) = c(:, j, i)
-        part = part - product_of(with, padded(effective(:, i)))
-        left = left - product_of(with, padded(h(:, i)))
-      end do
-      left = quotient_of(left, part)
-      touching(:, j) = left(:n)
-    end do
-  end subroutine find_coupled
-
-  !> Extends an array by derivatives of 0 where it has none.
-  pure function padded(a) result(b)
-    real(dp), intent(in) :: a(:)
-    real(dp) :: b(0:2)
-
-    b = 0
-    b(:size(a) - 1) = a
-  end function padded
-
-  !> Compliance matrix (m/N); (0:2, pair, pair).
-  pure function compliances(stiffness, shared, beyond) result(c)
-    real(dp), intent(in) :: stiffness(0:, :), shared(0:, :), beyond
-    real(dp) :: c(0:ubound(stiffness, 1), size(stiffness, 2), size(stiffness, 2)), own(0:2)
-    integer :: j
-
-    c = 0
-    c(0, :, :) = beyond
-    do j = 1, size(stiffness, 2)
-      c(:, j, j) = 0
-      ! A pair that is not yet in contact range has no stiffness.
-      if (stiffness(0, j) > 0) then
-        own = quotient_of([1.0_dp, 0.0_dp, 0.0_dp], padded(stiffness(:, j)))
-        c(:, j, j) = own(:ubound(c, 1))
-      end if
-      if (j == size(stiffness, 2)) exit
-      c(:, j, j + 1) = shared(:, j)
-      c(:, j + 1, j) = shared(:, j)
-    end do
-  end function compliances
-
-  !> Solves for g (N/m) and h (N) of coupled pairs; 0 for open pairs.
-  pure subroutine respond(contact_set, c, profile_error, g, h)
-    integer, intent(in) :: contact_set
-    real(dp), intent(in) :: c(0:, :, :), profile_error(0:, :)
-    real(dp), intent(out), dimension(0:, :) :: g, h
-    real(dp) :: matrix(size(c, 3), size(c, 3)), b(size(c, 3), 2)
-    logical :: closed(size(c, 3))
-    integer :: j, k
-
-    closed = btest(contact_set, [(j, j=0, size(c, 3) - 1)])
-    matrix = c(0, :, :)
-    do j = 1, size(c, 3)
-      if (closed(j)) cycle
-      matrix(j, :) = 0
-      matrix(j, j) = 1
-    end do
-    g = 0
-    h = 0
-    ! The first and second derivatives of the equations have the same matrix.
-    do k = 0, ubound(c, 1)
-      b(:, 1) = merge(1, 0, k == 0)
-      b(:, 2) = profile_error(k, :)
-      do j = 1, merge(size(c, 3), 0, k > 0)
-        b(j, 1) = b(j, 1) - k*dot_product(c(1, j, :), g(k - 1, :))
-        b(j, 2) = b(j, 2) - k*dot_product(c(1, j, :), h(k - 1, :))
-        if (k < 2) cycle
-        b(j, 1) = b(j, 1) - dot_product(c(2, j, :), g(0, :))
-        b(j, 2) = b(j, 2) - dot_product(c(2, j, :), h(0, :))
-      end do
-      b(:, 1) = merge(b(:, 1), 0.0_dp, closed)
-      b(:, 2) = merge(b(:, 2), 0.0_dp, closed)
-      call solve_small(matrix, b)
-      g(k, :) = b(:, 1)
-      h(k, :) = b(:, 2)
-    end do
-  end subroutine respond
 
   !> Computes the pairs of an interval at some phases; one-sided at the interval's ends.
   pure subroutine springs_at(mesh, interval, phase, springs)
@@ -271,17 +255,6 @@ contains
     end if
   end subroutine find_law_of_pair
 
-  !> Own stiffness of a pair (N/m), without the shared compliance, all of which acts on it while it carries alone.
-  pure function own_stiffness(shared, stiffness) result(own)
-    real(dp), intent(in) :: shared(0:2)          !< compliance C, m/N
-    real(dp), intent(in) :: stiffness(0:2)       !< K, N/m
-    real(dp) :: own(0:2), rest(0:2)
-
-    rest = -product_of(shared, stiffness)
-    rest(0) = 1 + rest(0)
-    own = quotient_of(stiffness, rest)
-  end function own_stiffness
-
   !> Finds the contact set at a deflection and one place, and its law: the first pair that touches on the wrong side changes until
   !> there is none. Source: Murty 1974, Linear Algebra and its Applications 9, 65-108: it ends if the compliance is positive
   !> definite.
@@ -317,13 +290,4 @@ contains
     c = [a(0)*b(0), a(1)*b(0) + a(0)*b(1), a(2)*b(0) + 2*a(1)*b(1) + a(0)*b(2)]
   end function product_of
 
-  !> Quotient with its first and second derivative.
-  pure function quotient_of(a, b) result(c)
-    real(dp), intent(in) :: a(0:2), b(0:2)
-    real(dp) :: c(0:2)
-
-    c(0) = a(0)/b(0)
-    c(1) = (a(1) - c(0)*b(1))/b(0)
-    c(2) = (a(2) - 2*c(1)*b(1) - c(0)*b(2))/b(0)
-  end function quotient_of
 end module gearsweep_motion_contact_law
