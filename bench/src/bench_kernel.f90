@@ -17,7 +17,7 @@ contains
     !> Additions, multiplications and the division for one motion, as they stand in the source.
     integer, parameter :: operations = 138, calls = 20000
     real(dp), dimension(batch_size, 3) :: square, drag, push
-    real(dp) :: map(batch_size, 6), taken(rounds), from
+    real(dp) :: map(batch_size, 6), weight(batch_size, 6), taken(rounds), from
     integer :: i, k
 
     call random_number(square)
@@ -26,7 +26,7 @@ contains
     do k = 1, rounds
       from = seconds()
       do i = 1, calls
-        call collocate(batch_size, square, drag, push, map)
+        call collocate(batch_size, square, drag, push, map, weight)
         ! Each call waits for the last one's answer, as in a sweep.
         push(:, 1) = 0.5_dp*map(:, 5)
       end do

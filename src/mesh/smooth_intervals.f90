@@ -8,7 +8,7 @@ module gearsweep_mesh_smooth_intervals
   use gearsweep_mesh_mesh, only: mesh_t
   implicit none
   private
-  public :: smooth_intervals, profile_table
+  public :: smooth_intervals, repeat_intervals, profile_table
 
   character(*), parameter :: table = 'profile error table: '
 
@@ -43,7 +43,7 @@ contains
     if (mesh%deviations%any()) intervals = repeat_intervals(mesh, intervals)
   end function smooth_intervals
 
-  !> Intervals of all mesh periods after which the deviations repeat.
+  !> Intervals of all mesh periods after which the deviations repeat, with the deviations of their pairs.
   pure function repeat_intervals(mesh, intervals) result(all_intervals)
     type(mesh_t), intent(in) :: mesh
     type(interval_t), intent(in) :: intervals(:)           !< intervals of one mesh period

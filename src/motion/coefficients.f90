@@ -1,5 +1,9 @@
 !> Coefficients of the equation of motion over one mesh period, step by step; they do not depend on the speed.
 !>
+!> Where teeth deviate, the table serves all mesh periods after which the deviations repeat: steps, stiffness and the response of
+!> the contact sets are the same in each, and `enter_period` fills in the profile errors of one, in which the contact laws are
+!> linear.
+!>
 !> The steps end at every break, so that the coefficients are smooth within a step. A contact is a pair that may be in contact or,
 !> after these and only with backlash, the coast sides: all together or, where teeth have position errors, those next to each
 !> pair. Full contact is the contact set about which the motion is linear: all pairs between A and E are in contact or, where
@@ -12,12 +16,12 @@
 module gearsweep_motion_coefficients
   use gearsweep_base, only: dp, has_memory, pi
   use gearsweep_mesh, only: interval_t
-  use gearsweep_motion_contact_law, only: find_law, find_law_values, product_of, shared_t
+  use gearsweep_motion_contact_law, only: find_law, find_law_values, find_response, find_touching, product_of, shared_t
   use gearsweep_motion_gauss, only: nodes, stiff_nodes
   use gearsweep_motion_oscillator, only: mobility, oscillator_t, touches_coast
   implicit none
   private
-  public :: resolution_t, coefficients_t, tabulate, need_law, forget_laws, contact_sets_at_begin, graded_steps
+  public :: resolution_t, coefficients_t, tabulate, enter_period, need_law, forget_laws, contact_sets_at_begin, graded_steps
 
   !> Number of steps per unit of phase at the phase t after a break: the sum of dense*exp(-fade*t).
   type :: grading_t
@@ -55,7 +59,9 @@ module gearsweep_motion_coefficients
   !> Coefficients at the three nodes of the integration and at both ends of each step, one-sided at breaks: the properties of the
   !> pairs, and the contact laws (gearsweep_motion_contact_law) that follow. Derivatives are over the mesh phase.
   type :: coefficients_t
-    integer :: steps = 0               !< steps of the period; 0: memory is too small for them
+    integer :: steps = 0               !< steps of the mesh period; 0: memory is too small for them
+    integer :: periods = 1             !< mesh periods after which the deviations of the teeth repeat
+    integer :: period = 0              !< index from 0 of the one whose profile errors the table holds
     integer :: contacts = 0            !< largest number of pairs, plus the coast sides
     integer, allocatable :: interval(:)    !< smooth interval of a step; (step)
     integer, allocatable :: pairs(:)       !< pairs that may be in contact; (step)
@@ -66,6 +72,8 @@ module gearsweep_motion_coefficients
     real(dp), allocatable :: left(:), width(:)     !< start and length of a step, mesh phase 0 to 1; (step)
     !> K_j (N/m) of a pair that carries alone, e_j (m) and acceleration per load (1/kg); (node, pair, step)
     real(dp), allocatable, dimension(:, :, :) :: stiffness, profile_error, mobility
+    !> Profile error without deviations, as `profile_error` and `end_profile_error`; of size 0 if no tooth deviates.
+    real(dp), allocatable :: ideal_error(:, :, :), end_ideal_error(:, :, :, :)
     !> Stiffness and profile error at the ends, with derivatives (0:2, pair, end, step); the mobility is linear: (pair, end, step)
     real(dp), allocatable, dimension(:, :, :, :) :: end_stiffness, end_profile_error
     real(dp), allocatable :: end_mobility(:, :, :)
@@ -83,6 +91,10 @@ module gearsweep_motion_coefficients
     integer, allocatable :: contact_set(:), next(:)    !< next: 0 at the end of the list; (law)
     !> Sums over the contacts at the nodes: omega^2 (1/s^2), omega (rad/s), k e (m/s^2); (node, law)
     real(dp), allocatable, dimension(:, :) :: omega_squared, omega, forcing
+    real(dp), allocatable :: weight(:, :, :)     !< forcing per profile error (1/s^2); (node, pair, law)
+    !> Touching deflection of pair j per profile error of pair i, (0:2, pair j, pair i, end, law). Size 0 in the pairs where these
+    !> share no compliance and touch at their profile error.
+    real(dp), allocatable :: share(:, :, :, :, :)
     real(dp), allocatable, dimension(:, :, :) :: end_omega_squared, end_forcing    !< at the ends; (0:2, end, law)
     !> Effective stiffness (N/m; 0 where a contact is open) and touching deflection (m); (0:2, contact, end, law)
     real(dp), allocatable, dimension(:, :, :, :) :: effective, touching
@@ -190,10 +202,14 @@ contains
     type(coefficients_t), intent(inout) :: table
     ! Tables below this size (bytes) fit into the reserve, as a thread keeps few of them.
     real(dp), parameter :: small = 256e3_dp
+    integer :: shares, ideal
     logical :: fits
 
+    shares = merge(osc%pairs, 0, osc%shared > 0)
+    ideal = merge(osc%pairs, 0, osc%mesh%deviations%any())
     if (allocated(table%interval)) then
-      if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2)) return
+      if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2) .and. &
+          shares == size(table%share, 2) .and. ideal == size(table%ideal_error, 2)) return
       table = coefficients_t()
     end if
     fits = .true.
@@ -213,6 +229,8 @@ contains
       allocate (table%contact_set(n), table%next(n), table%omega_squared(3, n), table%omega(3, n), table%forcing(3, n))
       allocate (table%end_omega_squared(0:2, 2, n), table%end_forcing(0:2, 2, n))
       allocate (table%effective(0:2, m, 2, n), table%touching(0:2, m, 2, n))
+      allocate (table%weight(3, p, n), table%share(0:2, shares, shares, 2, n))
+      allocate (table%ideal_error(3, ideal, steps), table%end_ideal_error(0:2, ideal, 2, steps))
     end associate
   end subroutine allocate_table
 
@@ -228,11 +246,12 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: steps
 
-    table_bytes = 8*(real(steps, dp)*(50 + 32*osc%pairs + 9*osc%coasts) + &
-                     real(steps + further_laws(steps), dp)*(23 + 12*osc%contacts))
+    table_bytes = 8*(real(steps, dp)*(50 + 41*osc%pairs + 9*osc%coasts) + &
+                     real(steps + further_laws(steps), dp)*(23 + 12*osc%contacts + 3*osc%pairs + 6*osc%pairs**2))
   end function table_bytes
 
-  !> Computes stiffness, profile error and mobility of all pairs in the steps `first` to `last` of a smooth interval.
+  !> Computes stiffness, profile error and mobility of all pairs in the steps `first` to `last` of a smooth interval, without
+  !> deviations.
   pure subroutine fill_pairs(osc, interval, first, last, table)
     type(oscillator_t), intent(in) :: osc
     type(interval_t), intent(in) :: interval
@@ -243,10 +262,6 @@ contains
     call fill_shared(interval, first, last, table)
     do j = 1, interval%pairs
       call fill_pair(osc, interval, j, first, last, table)
-    end do
-    if (.not. allocated(interval%deviation)) return
-    do j = first, last
-      call add_deviations(osc, interval, j, table)
     end do
   end subroutine fill_pairs
 
@@ -319,7 +334,26 @@ contains
     end do
   end subroutine fill_pair
 
-  !> Adds the errors of single teeth and the waves over a step.
+  !> Fills in the profile errors of one of the mesh periods after which the deviations repeat, and what follows from them.
+  pure subroutine enter_period(osc, period, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: period                !< index from 0
+    type(coefficients_t), intent(inout) :: table !< table; laws that are not of full contact are deleted
+    integer :: i
+
+    if (period == table%period) return
+    table%interval = table%interval + (period - table%period)*(size(osc%intervals)/table%periods)
+    table%period = period
+    call forget_laws(table)
+    do i = 1, table%steps
+      call add_deviations(osc, osc%intervals(table%interval(i)), i, table)
+      call apply_errors(osc, i, i, table)
+      if (osc%coasts > 1) call add_coast_flanks(osc, i, 0, i, table)
+    end do
+    call find_bounds(osc, table)
+  end subroutine enter_period
+
+  !> Adds the errors of single teeth and the waves over a step to the profile errors without deviations.
   pure subroutine add_deviations(osc, interval, step, table)
     type(oscillator_t), intent(in) :: osc
     type(interval_t), intent(in) :: interval
@@ -336,9 +370,9 @@ contains
       do j = 1, interval%pairs
         d = wave + interval%deviation_of(phase(k), j)
         if (k <= 3) then
-          table%profile_error(k, j, step) = table%profile_error(k, j, step) + d(0)
+          table%profile_error(k, j, step) = table%ideal_error(k, j, step) + d(0)
         else
-          table%end_profile_error(:, j, k - 3, step) = table%end_profile_error(:, j, k - 3, step) + d
+          table%end_profile_error(:, j, k - 3, step) = table%end_ideal_error(:, j, k - 3, step) + d
         end if
         if (osc%coasts < 2) cycle
         d = of_coast
@@ -357,19 +391,22 @@ contains
     type(oscillator_t), intent(in) :: osc
     type(resolution_t), intent(in) :: resolution
     type(coefficients_t), intent(inout) :: table           !< table; its memory is reused; no steps if memory is too small
-    type(grading_t) :: grading(size(osc%intervals))
-    integer :: counts(size(osc%intervals)), i, j, first, last
+    type(grading_t) :: grading(size(osc%frequency, 2))
+    integer :: counts(size(osc%frequency, 2)), i, j, n, first, last
 
+    n = size(counts)
     if (resolution%graded_for > 0) then
       grading = gradings(osc, resolution)
-      counts = resolution%times*count_steps(grading, osc%intervals%last - osc%intervals%first)
+      counts = resolution%times*count_steps(grading, osc%intervals(:n)%last - osc%intervals(:n)%first)
     else
-      counts = equal_steps(osc%intervals%last - osc%intervals%first, resolution)
+      counts = equal_steps(osc%intervals(:n)%last - osc%intervals(:n)%first, resolution)
     end if
     call allocate_table(osc, sum(counts), table)
     if (table%steps == 0) return
+    table%periods = osc%mesh%deviations%periods
+    table%period = 0
     last = 0
-    do i = 1, size(osc%intervals)
+    do i = 1, n
       first = last + 1
       last = last + counts(i)
       associate (interval => osc%intervals(i))
@@ -389,6 +426,13 @@ contains
         call fill_pairs(osc, interval, first, last, table)
       end associate
     end do
+    if (osc%mesh%deviations%any()) then
+      table%ideal_error(:, :, :) = table%profile_error
+      table%end_ideal_error(:, :, :, :) = table%end_profile_error
+      do i = 1, table%steps
+        call add_deviations(osc, osc%intervals(table%interval(i)), i, table)
+      end do
+    end if
     table%laws = table%steps
     do i = 1, table%steps
       call fill_law(osc, i, table%full(i), i, table)
@@ -417,21 +461,24 @@ contains
     end do
   end function set_of
 
-  !> Growth of the steps after the start of each smooth interval; (interval).
+  !> Growth of the steps after the start of each smooth interval of a mesh period; (interval).
   pure function gradings(osc, resolution) result(grading)
     type(oscillator_t), intent(in) :: osc
     type(resolution_t), intent(in) :: resolution
-    type(grading_t) :: grading(size(osc%intervals))
+    type(grading_t) :: grading(size(osc%frequency, 2))
 
     grading = make_grading(osc%frequency(1, :), osc%frequency(2, :), osc%damping_ratio, resolution%base, resolution%graded_for)
   end function gradings
 
-  !> Estimate of the number of steps of a graded period.
+  !> Estimate of the number of graded steps of all mesh periods after which the deviations repeat.
   pure real(dp) function graded_steps(osc, resolution)
     type(oscillator_t), intent(in) :: osc
     type(resolution_t), intent(in) :: resolution           !< graded
 
-    graded_steps = resolution%times*sum(expected_steps(gradings(osc, resolution), osc%intervals%last - osc%intervals%first))
+    associate (intervals => osc%intervals(:size(osc%frequency, 2)))
+      graded_steps = resolution%times*osc%mesh%deviations%periods* &
+                     sum(expected_steps(gradings(osc, resolution), intervals%last - intervals%first))
+    end associate
   end function graded_steps
 
   !> Places the steps first to last of smooth interval i.
@@ -529,54 +576,106 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: step, contact_set, law
     type(coefficients_t), intent(inout) :: table
-    ! Size for as many pairs as a contact set can hold: heap memory for each law would take longer than the arithmetic.
-    real(dp), dimension(3, bit_size(contact_set)) :: effective, touching
-    real(dp), dimension(0:2) :: k, g, t, omega_squared, forcing
-    real(dp) :: slope
-    integer :: end, j
 
-    associate (p => table%pairs(step), kind => kind_of(osc, table, step))
-      table%contact_set(law) = contact_set
-      call find_law_values(contact_set, kind, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
-                           table%shared(:, :, step), effective(:, :p), touching(:, :p))
-      omega_squared = 0
-      forcing = 0
-      do j = 1, p
-        effective(:, j) = effective(:, j)*table%mobility(1:3, j, step)
-        omega_squared = omega_squared + effective(:, j)
-        forcing = forcing + effective(:, j)*touching(:, j)
-      end do
-      table%omega_squared(1:3, law) = omega_squared
-      table%forcing(1:3, law) = forcing
-      do end = 1, 2
-        call find_law(contact_set, kind, table%end_stiffness(:, :p, end, step), &
-                      table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), &
-                      table%effective(:, :p, end, law), table%touching(:, :p, end, law))
-        omega_squared = 0
-        forcing = 0
-        ! Products with derivatives; the mobility is linear over the step.
-        do j = 1, p
-          g = table%effective(0:2, j, end, law)
-          t = table%touching(0:2, j, end, law)
-          associate (m => table%end_mobility(j, end, step))
-            slope = (table%end_mobility(j, 2, step) - table%end_mobility(j, 1, step))/table%width(step)
-            k(0) = g(0)*m
-            k(1) = g(1)*m + g(0)*slope
-            k(2) = g(2)*m + 2*g(1)*slope
-          end associate
-          omega_squared = omega_squared + k
-          forcing(0) = forcing(0) + k(0)*t(0)
-          forcing(1) = forcing(1) + k(1)*t(0) + k(0)*t(1)
-          forcing(2) = forcing(2) + k(2)*t(0) + 2*k(1)*t(1) + k(0)*t(2)
-        end do
-        table%end_omega_squared(0:2, end, law) = omega_squared
-        table%end_forcing(0:2, end, law) = forcing
-      end do
-    end associate
+    call fill_response(kind_of(osc, table, step), step, contact_set, law, table)
+    call apply_errors(osc, step, law, table)
     if (osc%coasts == 1) call add_coast(osc, step, touches_coast(osc, contact_set), law, table)
     if (osc%coasts > 1) call add_coast_flanks(osc, step, shiftr(contact_set, osc%pairs), law, table)
     table%omega(1:3, law) = sqrt(table%omega_squared(1:3, law))
   end subroutine fill_law
+
+  !> Computes what a law has without profile errors.
+  pure subroutine fill_response(kind, step, contact_set, law, table)
+    type(shared_t), intent(in) :: kind
+    integer, intent(in) :: step, contact_set, law
+    type(coefficients_t), intent(inout) :: table
+    ! Size for as many pairs as a contact set can hold: heap memory for each law would take longer than the arithmetic.
+    real(dp), dimension(3, bit_size(contact_set)) :: effective
+    real(dp) :: share(0:0, table%pairs(step), table%pairs(step))
+    integer :: end, j, node
+
+    associate (p => table%pairs(step))
+      table%contact_set(law) = contact_set
+      do node = 1, merge(3, 0, kind%any)
+        call find_response(contact_set, kind, table%stiffness(node:node, :p, step), table%shared(node:node, :, step), &
+                           effective(node:node, :p), share)
+        effective(node, :p) = effective(node, :p)*table%mobility(node, :p, step)
+        table%weight(node, :p, law) = matmul(effective(node, :p), share(0, :, :))
+      end do
+      table%omega_squared(1:3, law) = 0
+      do j = 1, p
+        if (.not. kind%any) then
+          effective(:, j) = 0
+          if (btest(contact_set, j - 1)) effective(:, j) = table%stiffness(1:3, j, step)*table%mobility(1:3, j, step)
+          table%weight(1:3, j, law) = effective(:, j)
+        end if
+        table%omega_squared(1:3, law) = table%omega_squared(1:3, law) + effective(:, j)
+      end do
+      do end = 1, 2
+        if (kind%any) then
+          call find_response(contact_set, kind, table%end_stiffness(:, :p, end, step), table%end_shared(:, :, end, step), &
+                             table%effective(:, :p, end, law), table%share(:, :p, :p, end, law))
+        else
+          do j = 1, p
+            table%effective(0:2, j, end, law) = 0
+            if (btest(contact_set, j - 1)) table%effective(0:2, j, end, law) = table%end_stiffness(0:2, j, end, step)
+          end do
+        end if
+        table%end_omega_squared(0:2, end, law) = 0
+        do j = 1, p
+          table%end_omega_squared(0:2, end, law) = table%end_omega_squared(0:2, end, law) + accelerating(table, step, law, end, j)
+        end do
+      end do
+    end associate
+  end subroutine fill_response
+
+  !> Acceleration per deflection (1/s^2) by the pair j at an end of a step, with its derivatives; the mobility is linear.
+  pure function accelerating(table, step, law, end, j) result(k)
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step, law, end, j
+    real(dp) :: k(0:2), slope
+
+    associate (g => table%effective(0:2, j, end, law), m => table%end_mobility(j, end, step))
+      slope = (table%end_mobility(j, 2, step) - table%end_mobility(j, 1, step))/table%width(step)
+      k(0) = g(1)*m
+      k(1) = g(2)*m + g(1)*slope
+      k(2) = g(3)*m + 2*g(2)*slope
+    end associate
+  end function accelerating
+
+  !> Computes the forcing and the touching deflections of a law from the profile errors in its step.
+  pure subroutine apply_errors(osc, step, law, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step, law
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: k(0:2), forcing(0:2)
+    integer :: end, j
+
+    associate (p => table%pairs(step))
+      table%forcing(1:3, law) = 0
+      do j = 1, p
+        table%forcing(1:3, law) = table%forcing(1:3, law) + table%weight(1:3, j, law)*table%profile_error(1:3, j, step)
+      end do
+      do end = 1, 2
+        if (osc%shared > 0) then
+          call find_touching(table%share(:, :p, :p, end, law), table%end_profile_error(:, :p, end, step), &
+                             table%touching(:, :p, end, law))
+        else
+          table%touching(0:2, :p, end, law) = table%end_profile_error(0:2, :p, end, step)
+        end if
+        forcing = 0
+        do j = 1, p
+          k = accelerating(table, step, law, end, j)
+          associate (t => table%touching(0:2, j, end, law))
+            forcing(0) = forcing(0) + k(0)*t(1)
+            forcing(1) = forcing(1) + k(1)*t(1) + k(0)*t(2)
+            forcing(2) = forcing(2) + k(2)*t(1) + 2*k(1)*t(2) + k(0)*t(3)
+          end associate
+        end do
+        table%end_forcing(0:2, end, law) = forcing
+      end do
+    end associate
+  end subroutine apply_errors
 
   !> Kind of compliance that the pairs share in a step.
   pure type(shared_t) function kind_of(osc, table, step)

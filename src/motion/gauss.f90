@@ -45,13 +45,15 @@ contains
 
   !> Computes the affine map of the state over a step, for the first speeds of a batch. The state is (x, v), where v is the
   !> displacement (m) at constant velocity over the full step.
-  pure subroutine collocate(n, omega_squared, damping, forcing, map)
+  pure subroutine collocate(n, omega_squared, damping, forcing, map, weight)
     integer, intent(in) :: n                     !< number of speeds
     !> Coefficients at the nodes, (speed, node): omega^2 times the step squared, 2 zeta omega times the step, and the forcing
     !> times the step squared (m).
     real(dp), intent(in), dimension(batch_size, 3) :: omega_squared, damping, forcing
     !> (speed, element): contributions of x, v and 1 to x and v at the end of the step, two elements each.
     real(dp), intent(out) :: map(batch_size, 6)
+    !> Contributions of the forcing at each node to x, then to v, at the end of the step; (speed, element).
+    real(dp), intent(out) :: weight(batch_size, 6)
     real(dp) :: q11, q12, q13, q21, q22, q23, q31, q32, q33, c11, c12, c13, c21, c22, c23, c31, c32, c33
     real(dp) :: k1, k2, k3, d1, d2, d3, scale, g1, g2, g3, f1, f2, f3, e1, e2, e3
     integer :: l
@@ -100,16 +102,22 @@ contains
       map(l, 4) = 1 - (g1*e1 + g2*e2 + g3*e3)
       map(l, 5) = f1*forcing(l, 1) + f2*forcing(l, 2) + f3*forcing(l, 3)
       map(l, 6) = g1*forcing(l, 1) + g2*forcing(l, 2) + g3*forcing(l, 3)
+      weight(l, 1) = f1
+      weight(l, 2) = f2
+      weight(l, 3) = f3
+      weight(l, 4) = g1
+      weight(l, 5) = g2
+      weight(l, 6) = g3
     end do
   end subroutine collocate
 
   !> Computes the affine map of the state over a step at Radau points; arguments as those of `collocate`.
-  pure subroutine collocate_stiffly(n, omega_squared, damping, forcing, map)
+  pure subroutine collocate_stiffly(n, omega_squared, damping, forcing, map, weight)
     integer, intent(in) :: n                     !< number of speeds in the batch
     !> (speed, node): omega^2 times the step squared, 2 zeta omega times the step, forcing times the step squared (m).
     real(dp), intent(in), dimension(batch_size, 3) :: omega_squared, damping, forcing
     !> (speed, element): contributions of x, v and 1 to x and v at the end of the step, two elements each.
-    real(dp), intent(out) :: map(batch_size, 6)
+    real(dp), intent(out) :: map(batch_size, 6), weight(batch_size, 6)
     real(dp) :: q(3, 3), cofactor(3, 3), f(3), g(3), slowed(3)
     integer :: i, l
 
@@ -129,6 +137,7 @@ contains
       g = matmul(cofactor, a_stiff(3, :))
       map(l, :) = [1 - sum(f*omega_squared(l, :)), -sum(g*omega_squared(l, :)), 1 - sum(f*slowed), 1 - sum(g*slowed), &
                    sum(f*forcing(l, :)), sum(g*forcing(l, :))]
+      weight(l, :) = [f, g]
     end do
   end subroutine collocate_stiffly
 

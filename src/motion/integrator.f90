@@ -298,7 +298,7 @@ contains
     type(period_map_t), intent(in) :: map
     type(sub_steps_t), intent(inout) :: c
     real(dp), dimension(batch_size, size(nodes)) :: omega_squared, damped, forcing
-    real(dp) :: time, width, load, factor, step_width
+    real(dp) :: weight(batch_size, 6), time, width, load, factor, step_width
     integer :: k, l, n
 
     n = map%speeds
@@ -316,7 +316,7 @@ contains
         forcing(l, k) = time**2*(c%forcing(l, k + 1) + load)
       end do
     end do
-    call collocate(n, omega_squared, damped, forcing, c%propagator)
+    call collocate(n, omega_squared, damped, forcing, c%propagator, weight)
     do l = 1, n
       width = c%width(l)*step_width
       c%propagator(l, 2) = c%propagator(l, 2)/max(width, tiny(width))

@@ -87,8 +87,8 @@ contains
       if (levels%lacks) return
       call find_motions(coarse, duration, options, half)
       solved = solved .and. has_converged(half)
-      points%steps = fine%table%steps
-      points%work = points%work + 2*(fine%table%steps + coarse%table%steps)
+      points%steps = fine%steps
+      points%work = points%work + 2*(fine%steps + coarse%steps)
       points%resolution = resolution
       call compare(osc, duration, half, points)
       ! A pair may seem to part in coarse steps: finer ones follow, as for ten times the allowed error.
@@ -323,7 +323,7 @@ contains
         if (.not. any(has_converged(half))) return
         call set_durations(fine, duration, options%steady%stop)
         call find_batch(fine, options%steady%tolerance, full, half)
-        points%steps = fine%table%steps
+        points%steps = fine%steps
       end associate
       points%steady = full
       solved = has_converged(half) .and. has_converged(full)

@@ -12,7 +12,7 @@
 module gearsweep_motion_oscillator
   use gearsweep_base, only: code_input, dp, error_t, fail, pi, str
   use gearsweep_elastic, only: flattening_t
-  use gearsweep_mesh, only: balance_t, contact_intervals, interval_t, mesh_t, smooth_intervals
+  use gearsweep_mesh, only: balance_t, contact_intervals, deviations_t, interval_t, mesh_t, repeat_intervals, smooth_intervals
   use gearsweep_motion_contact_law, only: find_closed, find_law_values, springs_at, springs_t
   implicit none
   private
@@ -40,9 +40,12 @@ module gearsweep_motion_oscillator
     real(dp) :: highest_frequency = 0  !< upper bound of omega over the period, rad/s
     real(dp) :: static_deflection = 0  !< load over mean stiffness, m: the unit of residuals
     real(dp) :: mean_deflection = 0    !< deflection whose mean load over the period is the static one, m
-    type(interval_t), allocatable :: intervals(:)   !< smooth intervals of the mesh period: no coefficient has a break within
+    !> Smooth intervals: no coefficient has a break within. Where teeth deviate, the same intervals for each mesh period after which
+    !> the deviations repeat, one period after the other.
+    type(interval_t), allocatable :: intervals(:)
     logical :: by_load = .false.       !< intervals also end where pairs begin and cease to carry the static load
-    real(dp), allocatable :: frequency(:, :)   !< lowest and highest omega of each interval, rad/s; (2, interval)
+    !> Lowest and highest omega of each interval of a mesh period, rad/s; (2, interval)
+    real(dp), allocatable :: frequency(:, :)
   end type oscillator_t
 
 contains
@@ -108,7 +111,8 @@ contains
     osc%frequency = interval_frequencies(osc)
   end subroutine split_by_load
 
-  !> Finds the smooth intervals by the static load. The motion's stiffness is that at the nominal load, at any load on a pair.
+  !> Finds the smooth intervals by the static load of gears without deviations, so that all mesh periods share them. The motion's
+  !> stiffness is that at the nominal load, at any load on a pair.
   pure function rest_intervals(osc) result(intervals)
     type(oscillator_t), intent(in) :: osc
     type(interval_t), allocatable :: intervals(:)
@@ -116,7 +120,9 @@ contains
 
     mesh = osc%mesh
     mesh%flattening = flattening_t()
+    mesh%deviations = deviations_t()
     intervals = contact_intervals(mesh, balance_t(osc%load, osc%friction, osc%mass))
+    if (osc%mesh%deviations%any()) intervals = repeat_intervals(osc%mesh, intervals)
   end function rest_intervals
 
   !> Deflection (m) at which the pairs' mean load over the period, with relief, is the static one: at high speed the motion tends
@@ -157,17 +163,17 @@ contains
     end do
   end function mean_deflection
 
-  !> Lowest and highest omega (rad/s) of each smooth interval in the reference contact, (2, interval).
+  !> Lowest and highest omega (rad/s) of each smooth interval of a mesh period in the reference contact, (2, interval).
   pure function interval_frequencies(osc) result(frequency)
     type(oscillator_t), intent(in) :: osc
     integer, parameter :: samples = 17
-    real(dp) :: frequency(2, size(osc%intervals))
+    real(dp) :: frequency(2, size(osc%intervals)/osc%mesh%deviations%periods)
     type(springs_t) :: springs
     real(dp), dimension(samples) :: omega_squared, phase
     real(dp), dimension(samples, osc%pairs) :: effective, touching
     integer :: carrying, i, j, k
 
-    do i = 1, size(osc%intervals)
+    do i = 1, size(frequency, 2)
       associate (interval => osc%intervals(i), p => osc%intervals(i)%pairs)
         carrying = sum([(merge(ibset(0, j - 1), 0, interval%carries(j)), j=1, p)])
         phase = interval%first + (interval%last - interval%first)*[(k, k=0, samples - 1)]/(samples - 1)

@@ -1,7 +1,8 @@
 !> One mesh period of the motion, for a batch of speeds with contact sets of their own.
 !>
 !> Collocation over the mesh phase in steps that end at every break. Within a step the contact set stays as it is, unless an
-!> event is located. In full contact the motion is linear, and its period has a routine of its own.
+!> event is located. In full contact the motion is linear, and its period has a routine of its own. Where teeth deviate, the period
+!> is that of all mesh periods after which the deviations repeat.
 module gearsweep_motion_period
   use gearsweep_base, only: dp
   use gearsweep_motion_coefficients, only: coefficients_t, contact_sets_at_begin
@@ -13,8 +14,8 @@ module gearsweep_motion_period
   use gearsweep_motion_literature, only: run_literature_period
   use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, evaluate_candidates
   use gearsweep_motion_oscillator, only: touches_coast
-  use gearsweep_motion_period_map, only: compose, flush_to_zero, is_cut, leave_full_contact, need_laws, need_propagator, &
-    period_map_t, propagate_alike, take_step
+  use gearsweep_motion_period_map, only: compose, enter, flush_to_zero, is_cut, leave_full_contact, need_full_propagator, &
+    need_laws, need_propagator, period_map_t, take_step
   use gearsweep_motion_trace, only: record, trace_t
   implicit none
   private
@@ -31,8 +32,8 @@ contains
     type(period_map_t), intent(inout) :: map
     real(dp), intent(in) :: start(:, :)                    !< x, y (m) at the start; (2, speed)
     type(period_t), intent(inout) :: period(:)             !< results at each speed
-    real(dp) :: monodromy(batch_size, 4), shrunk(batch_size), x(batch_size, 2), y(batch_size, 2)
-    integer :: place, from, to, i, l
+    real(dp) :: x(batch_size, 2), y(batch_size, 2)
+    integer :: place, from, to, i, k, l
 
     if (allocated(map%literature)) then
       call run_literature_period(map%osc, map%literature, map%duration(1), start(:, 1), .true., period(1))
@@ -44,29 +45,40 @@ contains
     y(:, from) = 0
     x(:map%speeds, from) = start(1, :)
     y(:map%speeds, from) = start(2, :)
+    call begin_monodromy(map%mesh_monodromy, map%mesh_shrunk)
+    call begin_monodromy(map%monodromy, map%shrunk)
+    do k = 0, map%table%periods - 1
+      call enter(map, k)
+      do i = 1, map%table%steps
+        if (is_cut(map, i)) exit
+        call need_full_propagator(map, i, k > 0, place)
+        if (k == 0) call compose(map%propagator(:, :4, place), map%mesh_monodromy)
+        if (k == 0 .and. modulo(i, 64) == 0) call flush_to_zero(map%mesh_monodromy, map%mesh_shrunk)
+        call take_step(map%propagator(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
+        from = to
+        to = 3 - from
+      end do
+      if (i <= map%table%steps) exit
+      call compose(map%mesh_monodromy, map%monodromy)
+      map%shrunk = map%shrunk + map%mesh_shrunk
+      call flush_to_zero(map%monodromy, map%shrunk)
+    end do
+    map%all_full = map%cached
+    do l = 1, map%speeds
+      call keep_derivative(map%monodromy(l, :), map%shrunk(l), period(l))
+      period(l)%state = [x(l, from), y(l, from)]
+    end do
+  end subroutine run_full_contact
+
+  !> Sets a monodromy matrix to that of no time.
+  pure subroutine begin_monodromy(monodromy, shrunk)
+    real(dp), intent(out) :: monodromy(batch_size, 4), shrunk(batch_size)
+
     monodromy = 0
     monodromy(:, 1) = 1
     monodromy(:, 4) = 1
     shrunk = 0
-    do i = 1, map%table%steps
-      if (is_cut(map, i)) exit
-      place = merge(i, 1, map%cached)
-      call propagate_alike(map%osc, map%table, i, map%duration(:map%speeds), i, map%propagator(:, :, place))
-      map%contact_set(:, place) = map%table%full(i)
-      call compose(map%propagator(:, :, place), monodromy)
-      if (modulo(i, 64) == 0) call flush_to_zero(monodromy, shrunk)
-      call take_step(map%propagator(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
-      from = to
-      to = 3 - from
-    end do
-    map%all_full = map%cached
-    map%monodromy = monodromy
-    map%shrunk = shrunk
-    do l = 1, map%speeds
-      call keep_derivative(monodromy(l, :), shrunk(l), period(l))
-      period(l)%state = [x(l, from), y(l, from)]
-    end do
-  end subroutine run_full_contact
+  end subroutine begin_monodromy
 
   !> Integrates the motion at the first speed of a map over one period.
   pure subroutine run_period(map, start, period, trace)
@@ -103,33 +115,37 @@ contains
     type(period_t), intent(out) :: period(batch_size)
     type(trace_t), intent(inout), optional :: trace
     type(integrator_t) :: state
-    integer :: i, l
+    integer :: i, k, l
 
     call begin(map, start, active, peaks, state)
     state%crosses = has_simple_steps(map)
-    do i = 1, map%table%steps
-      if (map%table%kind(i)%begins) call enter_interval(map, i, state, period)
-      if (peaks .and. map%table%kind(i)%widens) call begin_loads(map, i, state)
-      call advance(map, i, state, period, trace)
-      if (is_cut(map, i)) period%failed = .true.
-      if (all(period(:map%speeds)%failed)) return
-      if (peaks) then
-        call watch_loads(map, i, state)
-        call watch_dte(map%table, map%speeds, map%osc%mean_deflection, i, state)
-      end if
-      if (present(trace) .and. .not. state%changes(1)) call record_step(map, i, state, trace)
-      if (modulo(i, 64) == 0) call flush_to_zero(state%monodromy, state%shrunk)
-      state%from = state%to
-      state%to = 3 - state%from
+    do k = 0, map%table%periods - 1
+      call enter(map, k)
+      do i = 1, map%table%steps
+        if (map%table%kind(i)%begins) call enter_interval(map, i, state, period)
+        if (peaks .and. map%table%kind(i)%widens) call begin_loads(map, i, state)
+        call advance(map, i, state, period, trace)
+        if (is_cut(map, i)) period%failed = .true.
+        if (all(period(:map%speeds)%failed)) return
+        if (peaks) then
+          call watch_loads(map, i, state)
+          call watch_dte(map%table, map%speeds, map%osc%mean_deflection, i, state)
+        end if
+        if (present(trace) .and. .not. state%changes(1)) call record_step(map, i, state, trace)
+        if (modulo(k*map%table%steps + i, 64) == 0) call flush_to_zero(state%monodromy, state%shrunk)
+        state%from = state%to
+        state%to = 3 - state%from
+      end do
+      do l = 1, map%speeds
+        call evaluate_candidates(map%osc, map%table, map%duration(l), state%candidates(l), state%peak(l))
+      end do
+      do i = 1, state%noted
+        call raise_peaks(map, state%change(i), state%peak)
+      end do
+      state%noted = 0
     end do
     if (state%all_full) state%monodromy = map%monodromy
     if (state%all_full) state%shrunk = map%shrunk
-    do l = 1, map%speeds
-      call evaluate_candidates(map%osc, map%table, map%duration(l), state%candidates(l), state%peak(l))
-    end do
-    do i = 1, state%noted
-      call raise_peaks(map, state%change(i), state%peak)
-    end do
     do l = 1, map%speeds
       period(l)%peak = state%peak(l)
       period(l)%coast_peak = state%coast_peak(l)
@@ -137,7 +153,7 @@ contains
       if (map%speeds == 1) period(l)%dte = state%single_dte
       period(l)%state = [state%x(l, state%from), state%y(l, state%from)]
       call keep_derivative(state%monodromy(l, :), state%shrunk(l), period(l))
-      period(l)%work = period(l)%work + map%table%steps
+      period(l)%work = period(l)%work + map%steps
     end do
   end subroutine follow
 
@@ -152,10 +168,7 @@ contains
     state%y(:, state%from) = 0
     state%x(:map%speeds, state%from) = start(1, :)
     state%y(:map%speeds, state%from) = start(2, :)
-    state%monodromy = 0
-    state%monodromy(:, 1) = 1
-    state%monodromy(:, 4) = 1
-    state%shrunk = 0
+    call begin_monodromy(state%monodromy, state%shrunk)
     state%held = far
     where (active) state%held(:map%speeds) = 0
     state%all_full = map%all_full
@@ -229,7 +242,7 @@ contains
 
     if (state%all_full .and. .not. state%full_contact) call leave(map, step, state)
     place = step
-    if (.not. state%all_full) call need_propagator(map, step, state%contact_set, place)
+    if (.not. state%all_full .or. map%table%periods > 1) call need_propagator(map, step, state%contact_set, place)
     call take_step(map%propagator(:, :, place), state%x(:, state%from), state%y(:, state%from), state%x(:, state%to), &
                    state%y(:, state%to))
     state%changes = .false.
@@ -247,9 +260,9 @@ contains
       state%changes = state%changes .or. crossed
       where (period%failed) state%held = far
       state%full_contact = all(state%contact_set == map%table%full(step))
-      call compose(propagator, state%monodromy)
+      call compose(propagator(:, :4), state%monodromy)
     else if (.not. state%all_full) then
-      call compose(map%propagator(:, :, place), state%monodromy)
+      call compose(map%propagator(:, :4, place), state%monodromy)
     end if
   end subroutine advance
 

@@ -38,6 +38,7 @@ contains
     type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step, contact_set
     integer, intent(out) :: which                !< index into map%dense
+    real(dp) :: weight(batch_size, 6)
     integer :: law
 
     do which = 1, min(map%denses, size(map%dense))
@@ -50,7 +51,7 @@ contains
       dense%step = step
       dense%contact_set = contact_set
       call need_law(map%osc, step, contact_set, map%table, law)
-      call propagate_alike(map%osc, map%table, step, map%duration, law, dense%propagator)
+      call propagate_alike(map%osc, map%table, step, map%duration, law, dense%propagator, weight)
       call describe_step(map, step, law, dense%propagator, dense%c)
     end associate
   end subroutine find_dense_step
