@@ -338,7 +338,7 @@ contains
   pure subroutine enter_period(osc, period, table)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: period                !< index from 0
-    type(coefficients_t), intent(inout) :: table !< table; laws that are not of full contact are deleted
+    type(coefficients_t), intent(inout) :: table  !< table; laws that are not of full contact are deleted
     integer :: i
 
     if (period == table%period) return
