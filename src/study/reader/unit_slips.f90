@@ -113,7 +113,7 @@ contains
   pure logical function is_share(key)
     character(*), intent(in) :: key
 
-    is_share = any(key == [character(20) :: 'damping_ratio', 'friction', 'friction_coefficient', 'poisson'])
+    is_share = any(key == [character(20) :: 'damping_ratio', 'friction', 'friction_coefficient'])
   end function is_share
 
   pure function others_of(key, unit) result(others)
