@@ -8,8 +8,9 @@ module gearsweep_motion
   use gearsweep_motion_attractors, only: all_motions_t, attractor_t, attractors_t, count_motions, find_attractors, largest_motion, &
     largest_reached
   ! Coefficients of the equation of motion over one mesh period, step by step.
-  use gearsweep_motion_coefficients, only: coefficients_t, resolution_t, scheme_collocation, scheme_constant, scheme_rk4, &
-    scheme_rk4_equal
+  use gearsweep_motion_coefficients, only: coefficients_t
+  ! Method and fineness of the steps of a mesh period.
+  use gearsweep_motion_resolution, only: resolution_t, scheme_collocation, scheme_constant, scheme_rk4, scheme_rk4_equal
   ! Contact sets, and the result of one mesh period of the motion with the mean square and range of its transmission error.
   use gearsweep_motion_contact_set, only: dte_t, join, period_t, range_of, rms_of
   ! Steady motions followed up and down over the speed, slowly or at a finite rate.

@@ -444,7 +444,7 @@ def deep_teeth():
 def step_growth():
     """Exponents by which graded steps may grow and do: the sixth order of the method, and the one of the source."""
     order = whole_source('src/motion/gauss.f90', r'order = (\d)')
-    return [order, whole_source('src/motion/coefficients.f90', r'slower = 1/([\d.]+)_dp')]
+    return [order, whole_source('src/motion/resolution.f90', r'slower = 1/([\d.]+)_dp')]
 
 
 def doubling_part():

@@ -19,7 +19,7 @@ program honesty
   use bench_tools, only: word, number, check, numbers
   use gearsweep, only: dp, error_t, oscillator_t, run_sweep, sweep_t, sweep_options_t, each
   use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, point_t
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_gauss, only: batch_size
   use gearsweep_motion_operating_point, only: solve_batch, solve_point
   use gearsweep_motion_oscillator, only: mesh_period, resolving_steps

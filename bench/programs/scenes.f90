@@ -9,7 +9,7 @@ program scenes
   use bench_tools, only: word, seconds, median, check
   use gearsweep, only: dp, case_t, disc_t, study_t, oscillator_t, error_t, pair_t, read_case, run_study, &
                        fe_options_t, fe_stiffness
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_gauss, only: batch_size
   use gearsweep_motion_oscillator, only: mesh_period

@@ -4,7 +4,8 @@ module bench_cost
   use bench_problem, only: problem_t
   use bench_tools, only: check, median, numbers, seconds
   use gearsweep, only: dp, error_t, make_oscillator, oscillator_t, run_sweep, sweep_t, sweep_options_t
-  use gearsweep_motion_coefficients, only: coefficients_t, resolution_t, tabulate
+  use gearsweep_motion_coefficients, only: coefficients_t, tabulate
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_sweep, only: contact_full, each
   use gearsweep_motion_transient, only: by_marching, by_shooting
   use gearsweep_motion_steady_motion, only: has_result

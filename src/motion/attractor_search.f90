@@ -6,7 +6,7 @@
 !> each return lowers by d'd.
 module gearsweep_motion_attractor_search
   use gearsweep_base, only: dp, wants_stop
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t
   use gearsweep_motion_gauss, only: batch_size

@@ -10,7 +10,7 @@ module gearsweep_motion_attractors
   use gearsweep_base, only: claim_memory, code_memory, dp, error_t, fail, has_memory, leader_traps, release_claim, share_traps, &
     str, team, wants_stop
   use gearsweep_motion_attractor_search, only: attractor_options_t, known_t, search_motions
-  use gearsweep_motion_coefficients, only: scheme_collocation
+  use gearsweep_motion_resolution, only: scheme_collocation
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, compare, first_level, last_level, levels_t, mark_inexact, need_level, &
     next_level, per_doubling, point_t, resolution_of, search_level

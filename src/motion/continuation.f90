@@ -9,7 +9,7 @@ module gearsweep_motion_continuation
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
   use gearsweep_base, only: dp, has_memory, wants_stop
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, point_t
   use gearsweep_motion_operating_point, only: solve_point

@@ -4,7 +4,7 @@
 module gearsweep_motion_error_estimate
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use gearsweep_base, only: dp
-  use gearsweep_motion_coefficients, only: resolution_t, scheme_collocation, scheme_rk4
+  use gearsweep_motion_resolution, only: resolution_t, scheme_collocation, scheme_rk4
   use gearsweep_motion_gauss, only: order
   use gearsweep_motion_oscillator, only: oscillator_t, resolving_steps
   use gearsweep_motion_period_map, only: discretise, period_map_t
@@ -115,7 +115,7 @@ contains
   !> True if the solution with half the steps shows the error. Where breaks lie somewhere within equal steps, both solutions may
   !> agree by chance.
   elemental logical function is_estimated(scheme)
-    integer, intent(in) :: scheme                !< scheme of gearsweep_motion_coefficients
+    integer, intent(in) :: scheme                !< scheme of gearsweep_motion_resolution
 
     is_estimated = scheme == scheme_collocation .or. scheme == scheme_rk4
   end function is_estimated

@@ -11,7 +11,7 @@
 module gearsweep_motion_literature
   use gearsweep_base, only: dp, has_memory
   use gearsweep_mesh, only: interval_t
-  use gearsweep_motion_coefficients, only: resolution_t, scheme_constant, scheme_rk4
+  use gearsweep_motion_resolution, only: resolution_t, scheme_constant, scheme_rk4
   use gearsweep_motion_contact_law, only: find_closed, find_law, find_law_values, shared_t
   use gearsweep_motion_contact_set, only: add_to_dte, in_contact, period_t, record_contact
   use gearsweep_motion_load_peaks, only: cubic_curvature
@@ -30,7 +30,7 @@ module gearsweep_motion_literature
   end type exact_step_t
 
   type :: literature_table_t
-    integer :: scheme = 0                        !< scheme_rk4 ... of gearsweep_motion_coefficients
+    integer :: scheme = 0                        !< scheme_rk4 ... of gearsweep_motion_resolution
     integer :: steps = 0                         !< steps of the period; 0: memory is too small for them
     real(dp), allocatable :: left(:), width(:)   !< start and length of a step, mesh phase; (step)
     integer, allocatable :: pairs(:)             !< pairs that may be in contact at any of its places; (step)

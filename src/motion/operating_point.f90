@@ -6,7 +6,7 @@
 !> where they begin and cease to carry the static load: those are breaks too.
 module gearsweep_motion_operating_point
   use gearsweep_base, only: dp, wants_stop
-  use gearsweep_motion_coefficients, only: graded_steps, resolution_t, scheme_collocation
+  use gearsweep_motion_resolution, only: graded_steps, resolution_t, scheme_collocation
   use gearsweep_motion_error_estimate, only: accuracy_t, compare, first_guess, first_level, given_resolution, given_steps, &
     is_estimated, last_level, leave_unknown, level_steps, levels_t, mark_inexact, need_batch_level, need_given, need_level, &
     next_level, per_doubling, point_t, resolution_of, root, search_level

@@ -9,11 +9,11 @@
 module gearsweep_motion_period_map
   use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
   use gearsweep_base, only: dp, wants_stop
-  use gearsweep_motion_coefficients, only: coefficients_t, enter_period, forget_laws, need_law, resolution_t, scheme_collocation, &
-    tabulate
+  use gearsweep_motion_coefficients, only: coefficients_t, enter_period, forget_laws, need_law, tabulate
   use gearsweep_motion_gauss, only: batch_size, collocate, collocate_stiffly
   use gearsweep_motion_literature, only: exact_step_t, literature_table_t, tabulate_literature
   use gearsweep_motion_oscillator, only: damping, oscillator_t, split_by_load
+  use gearsweep_motion_resolution, only: resolution_t, scheme_collocation
   implicit none
   private
   public :: dense_step_t, period_map_t, discretise, set_durations, need_laws, need_propagator, take_step, compose, flush_to_zero

@@ -3,7 +3,7 @@
 !> the rate at which disturbances grow.
 module gearsweep_motion_poincare
   use gearsweep_base, only: dp
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_c_binding, only: c_ptr

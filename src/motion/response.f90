@@ -9,7 +9,7 @@ module gearsweep_motion_response
   use gearsweep_base, only: bounds_of, dp, error_t, has_memory, place_of_largest, quintic, value_of
   use gearsweep_mesh, only: corner_uncertainty
   use gearsweep_motion_attractors, only: take_largest
-  use gearsweep_motion_coefficients, only: resolution_t, scheme_collocation
+  use gearsweep_motion_resolution, only: resolution_t, scheme_collocation
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, point_t
   use gearsweep_motion_operating_point, only: solve_point

@@ -4,7 +4,7 @@
 module gearsweep_motion_steady_motion
   use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
   use gearsweep_base, only: dp
-  use gearsweep_motion_coefficients, only: resolution_t, scheme_collocation
+  use gearsweep_motion_resolution, only: resolution_t, scheme_collocation
   use gearsweep_motion_contact_set, only: dte_t
   implicit none
   private
@@ -58,7 +58,7 @@ module gearsweep_motion_steady_motion
 
   !> Method of integration, and number of steps.
   type :: step_choice_t
-    integer :: scheme = scheme_collocation       !< scheme of gearsweep_motion_coefficients
+    integer :: scheme = scheme_collocation       !< scheme of gearsweep_motion_resolution
     integer :: steps = 0  !< number of steps of a period; 0: chosen for the tolerance, or 200 by another scheme
     integer :: most_steps = 2**18  !< largest number of steps of a period; fewer where there are more than four contacts
   end type step_choice_t

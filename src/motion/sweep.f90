@@ -9,7 +9,7 @@ module gearsweep_motion_sweep
   use gearsweep_base, only: claim_memory, code_memory, dp, error_t, fail, leader_traps, release_claim, share_traps, str, team, &
     wants_stop
   use gearsweep_motion_attractors, only: take_largest
-  use gearsweep_motion_coefficients, only: scheme_collocation
+  use gearsweep_motion_resolution, only: scheme_collocation
   use gearsweep_motion_contact_set, only: range_of, rms_of
   use gearsweep_motion_continuation, only: carried, continue_to
   use gearsweep_motion_error_estimate, only: forget_levels, levels_t

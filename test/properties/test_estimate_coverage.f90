@@ -6,7 +6,7 @@
 !>
 !> Then the motions at which both solutions are easily off by the same.
 module test_estimate_coverage
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_base_error, only: error_t
   use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, point_t
   use gearsweep_motion_gauss, only: batch_size

@@ -57,7 +57,7 @@ module gearsweep_study_case_task
   type :: case_facts_t
     real(dp), allocatable :: amount(:)           !< amounts of relief, m
     type(gear_spec_t) :: spec(2)                 !< pinion and gear; without teeth if a prescribed mesh does not state them
-    integer :: scheme = 0                        !< integration scheme, of gearsweep_motion_coefficients
+    integer :: scheme = 0                        !< integration scheme, of gearsweep_motion_resolution
     real(dp), allocatable :: torque(:)           !< torques of &load torques_nm, N m; empty without
   end type case_facts_t
 

@@ -1,7 +1,7 @@
 !> Contact before A and behind E, and shared compliance: statics against closed forms, the motion against an integrator
 !> written apart, and what must not depend on how it is computed.
 module test_contact_beyond_path
-  use gearsweep_motion_coefficients, only: resolution_t, scheme_constant, scheme_rk4, scheme_rk4_equal
+  use gearsweep_motion_resolution, only: resolution_t, scheme_constant, scheme_rk4, scheme_rk4_equal
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_elastic_disc, only: disc_t
   use gearsweep_base_error, only: error_t

@@ -1,7 +1,7 @@
 !> The energy of steady motions over the time after which they repeat: what the loads of the pairs do, with friction, damping
 !> takes.
 module test_energy
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: in_contact, period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, point_t
   use gearsweep_base_kinds, only: dp

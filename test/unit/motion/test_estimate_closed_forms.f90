@@ -4,7 +4,8 @@
 module test_estimate_closed_forms
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_base_error, only: error_t
-  use gearsweep_motion_coefficients, only: coefficients_t, resolution_t, tabulate
+  use gearsweep_motion_coefficients, only: coefficients_t, tabulate
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, point_t
   use gearsweep_motion_gauss, only: batch_size

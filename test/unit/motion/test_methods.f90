@@ -4,7 +4,7 @@
 module test_methods
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_motion_coefficients, only: resolution_t, scheme_constant, scheme_rk4, scheme_rk4_equal
+  use gearsweep_motion_resolution, only: resolution_t, scheme_constant, scheme_rk4, scheme_rk4_equal
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_base_error, only: error_t
   use gearsweep_motion_error_estimate, only: accuracy_t, point_t

@@ -2,7 +2,7 @@
 module test_motion
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_base_error, only: error_t
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, point_t
   use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t

@@ -1,7 +1,7 @@
 !> Which motion is found where pairs part: known ones from elsewhere, the same at every tolerance, speed by speed as in
 !> batches, and the words for what is none.
 module test_motion_selection
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_base_error, only: error_t
   use gearsweep_motion_error_estimate, only: accuracy_t, point_t

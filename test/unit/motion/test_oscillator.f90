@@ -3,7 +3,8 @@
 module test_oscillator
   use gearsweep_base_kinds, only: dp
   use gearsweep_base_error, only: error_t
-  use gearsweep_motion_coefficients, only: coefficients_t, resolution_t, tabulate
+  use gearsweep_motion_coefficients, only: coefficients_t, tabulate
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_law, only: find_closed, find_law, find_law_values, shared_t
   use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, candidates_t, may_exceed, raise_to_maximum
   use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t

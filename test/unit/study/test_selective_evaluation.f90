@@ -1,7 +1,7 @@
 !> What a scene does not ask for is not computed, and what it gives is what
 !> the whole gives, to the last bit or within a stated error.
 module test_selective_evaluation
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_gauss, only: batch_size
   use gearsweep_motion_oscillator, only: mesh_period, oscillator_t

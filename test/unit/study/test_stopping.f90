@@ -8,7 +8,7 @@ module test_stopping
   use gearsweep_api_case_reader, only: read_case
   use gearsweep_base_error, only: error_t
   use gearsweep_base_kinds, only: dp
-  use gearsweep_motion_coefficients, only: resolution_t
+  use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
   use gearsweep_motion_period, only: run_period
