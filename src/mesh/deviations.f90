@@ -46,6 +46,8 @@ module gearsweep_mesh_deviations
     procedure :: moves_coast
     procedure :: coast_of_pair
     procedure :: coast_wave_at
+    procedure :: rates
+    procedure :: amplitudes_in
     procedure :: coast_nearer
     procedure :: largest_of_coast
     procedure :: of_both_teeth
@@ -78,7 +80,7 @@ module gearsweep_mesh_deviations
     procedure :: place
     procedure :: shared_at
     procedure :: shared_with_slopes
-    procedure :: deviation_of
+    procedure :: add_deviation
   end type interval_t
 
   !> Breaks closer than this count as one: no step could separate them.
@@ -274,13 +276,66 @@ contains
 
     w = 0
     do i = 1, size(waves)
-      associate (wave => waves(i))
-        rate = 2*pi*wave%order/self%teeth(wave%gear)
-        angle = rate*(modulo(period + merge(self%offset, 0, wave%gear == 2), self%teeth(wave%gear)) + phase) + wave%phase
-        w = w + wave%amplitude*[sin(angle), rate*cos(angle), -rate**2*sin(angle)]
-      end associate
+      rate = rate_of(self, waves(i))
+      angle = angle_at(self, waves(i), period) + rate*phase
+      w = w + waves(i)%amplitude*[sin(angle), rate*cos(angle), -rate**2*sin(angle)]
     end do
   end function sum_of
+
+  !> Rates r of the waves, then of the coast waves, rad per mesh period; of size 0 without deviations.
+  pure function rates(self) result(r)
+    class(deviations_t), intent(in) :: self
+    real(dp), allocatable :: r(:)
+    integer :: i
+
+    allocate (r(0))
+    if (.not. self%any()) return
+    r = [(rate_of(self, self%waves(i)), i=1, size(self%waves)), (rate_of(self, self%coast_waves(i)), i=1, size(self%coast_waves))]
+  end function rates
+
+  !> Amplitudes a (m) in one mesh period of the waves, then of the coast waves: a wave is a_1 cos(r phase) + a_2 sin(r phase) with
+  !> its rate r; (2, wave).
+  pure subroutine amplitudes_in(self, period, a)
+    class(deviations_t), intent(in) :: self
+    integer, intent(in) :: period                !< index from 0
+    real(dp), intent(out) :: a(:, :)
+    integer :: i, n
+
+    n = size(self%waves)
+    do i = 1, n
+      a(:, i) = amplitude_in(self, self%waves(i), period)
+    end do
+    do i = 1, size(self%coast_waves)
+      a(:, n + i) = amplitude_in(self, self%coast_waves(i), period)
+    end do
+  end subroutine amplitudes_in
+
+  pure function amplitude_in(self, wave, period) result(a)
+    type(deviations_t), intent(in) :: self
+    type(wave_t), intent(in) :: wave
+    integer, intent(in) :: period
+    real(dp) :: a(2), angle
+
+    angle = angle_at(self, wave, period)
+    a = wave%amplitude*[sin(angle), cos(angle)]
+  end function amplitude_in
+
+  !> Rate of a wave, rad per mesh period.
+  pure real(dp) function rate_of(self, wave) result(rate)
+    type(deviations_t), intent(in) :: self
+    type(wave_t), intent(in) :: wave
+
+    rate = 2*pi*wave%order/self%teeth(wave%gear)
+  end function rate_of
+
+  !> Phase angle of a wave at the start of a mesh period, rad.
+  pure real(dp) function angle_at(self, wave, period) result(angle)
+    type(deviations_t), intent(in) :: self
+    type(wave_t), intent(in) :: wave
+    integer, intent(in) :: period                ! index from 0
+
+    angle = rate_of(self, wave)*modulo(period + merge(self%offset, 0, wave%gear == 2), self%teeth(wave%gear)) + wave%phase
+  end function angle_at
 
   !> Upper bound of the size of the errors, m.
   pure real(dp) function largest(self, contact_ratio)
@@ -327,23 +382,26 @@ contains
     c(2, :) = 2*interval%shared(2, :)
   end function shared_with_slopes
 
-  !> Deviation of the profile error of pair j due to its teeth (m), without waves, with its first and second derivative over the
-  !> phase; (0:2).
-  pure function deviation_of(interval, phase, j) result(d)
+  !> Adds the deviation of the profile error of pair j due to its teeth, without waves, at some phases.
+  pure subroutine add_deviation(interval, phase, j, d)
     class(interval_t), intent(in) :: interval    !< with deviations
-    real(dp), intent(in) :: phase
+    real(dp), intent(in) :: phase(:)
     integer, intent(in) :: j
-    real(dp) :: d(0:2), s
-    integer :: n
+    real(dp), intent(inout) :: d(0:, :)          !< m, with its first and second derivative over the phase; (0:2, phase)
+    real(dp) :: s, p(0:2)
+    integer :: k, n
 
-    s = interval%place(phase, j)
-    d = 0
-    do n = ubound(interval%deviation, 1), 0, -1
-      d(2) = d(2)*s + 2*d(1)
-      d(1) = d(1)*s + d(0)
-      d(0) = d(0)*s + interval%deviation(n, j)
+    do k = 1, size(phase)
+      s = interval%place(phase(k), j)
+      p = 0
+      do n = ubound(interval%deviation, 1), 0, -1
+        p(2) = p(2)*s + 2*p(1)
+        p(1) = p(1)*s + p(0)
+        p(0) = p(0)*s + interval%deviation(n, j)
+      end do
+      d(:, k) = d(:, k) + p
     end do
-  end function deviation_of
+  end subroutine add_deviation
 
   !> Mesh phase of a path coordinate.
   elemental real(dp) function phase_of(s) result(phase)

@@ -195,14 +195,14 @@ contains
     type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: phase
     integer, intent(in) :: j
-    real(dp) :: s
+    real(dp) :: s, d(0:2, 1)
 
     s = interval%place(phase, j)
     e = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, j)))
     if (.not. allocated(interval%deviation)) return
-    associate (deviation => interval%deviation_of(phase, j), wave => mesh%deviations%wave_at(interval%period, phase))
-      e = e + deviation(1) + wave(1)
-    end associate
+    d(:, 1) = mesh%deviations%wave_at(interval%period, phase)
+    call interval%add_deviation([phase], j, d)
+    e = e + d(0, 1)
   end function error_at
 
   !> Radius of curvature over base radius of a gear at s; beyond A and E the lever arm of friction over the base radius.

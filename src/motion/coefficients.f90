@@ -47,6 +47,9 @@ module gearsweep_motion_coefficients
     real(dp), allocatable, dimension(:, :, :) :: stiffness, profile_error, mobility
     !> Profile error without deviations, as `profile_error` and `end_profile_error`; of size 0 if no tooth deviates.
     real(dp), allocatable :: ideal_error(:, :, :), end_ideal_error(:, :, :, :)
+    !> Waves of the deviations: their rates, rad over the phase, and cosine and sine of rate times phase at the nodes and ends;
+    !> (wave) and (cosine or sine, wave, node or end, step).
+    real(dp), allocatable :: rate(:), wave(:, :, :, :)
     !> Stiffness and profile error at the ends, with derivatives (0:2, pair, end, step); the mobility is linear: (pair, end, step)
     real(dp), allocatable, dimension(:, :, :, :) :: end_stiffness, end_profile_error
     real(dp), allocatable :: end_mobility(:, :, :)
@@ -62,6 +65,7 @@ module gearsweep_motion_coefficients
     !> were needed. A law of pairs that a smooth interval does not have stays undefined.
     integer :: laws = 0                          !< number of laws
     integer, allocatable :: contact_set(:), next(:)    !< next: 0 at the end of the list; (law)
+    integer, allocatable :: law_period(:)        !< mesh period whose profile errors the law has; (law)
     !> Sums over the contacts at the nodes: omega^2 (1/s^2), omega (rad/s), k e (m/s^2); (node, law)
     real(dp), allocatable, dimension(:, :) :: omega_squared, omega, forcing
     real(dp), allocatable :: weight(:, :, :)     !< forcing per profile error (1/s^2); (node, pair, law)
@@ -86,14 +90,15 @@ contains
     type(coefficients_t), intent(inout) :: table
     ! Tables below this size (bytes) fit into the reserve, as a thread keeps few of them.
     real(dp), parameter :: small = 256e3_dp
-    integer :: shares, ideal
+    integer :: shares, ideal, waves
     logical :: fits
 
     shares = merge(osc%pairs, 0, osc%shared > 0)
     ideal = merge(osc%pairs, 0, osc%mesh%deviations%any())
+    waves = size(osc%mesh%deviations%rates())
     if (allocated(table%interval)) then
       if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2) .and. &
-          shares == size(table%share, 2) .and. ideal == size(table%ideal_error, 2)) return
+          shares == size(table%share, 2) .and. ideal == size(table%ideal_error, 2) .and. waves == size(table%rate)) return
       table = coefficients_t()
     end if
     fits = .true.
@@ -110,11 +115,13 @@ contains
       associate (c => merge(osc%coasts, 0, osc%coasts > 1))
         allocate (table%coast_gap(3, c, steps), table%end_coast_gap(0:2, c, 2, steps))
       end associate
-      allocate (table%contact_set(n), table%next(n), table%omega_squared(3, n), table%omega(3, n), table%forcing(3, n))
+      allocate (table%contact_set(n), table%next(n), table%law_period(n))
+      allocate (table%omega_squared(3, n), table%omega(3, n), table%forcing(3, n))
       allocate (table%end_omega_squared(0:2, 2, n), table%end_forcing(0:2, 2, n))
       allocate (table%effective(0:2, m, 2, n), table%touching(0:2, m, 2, n))
       allocate (table%weight(3, p, n), table%share(0:2, shares, shares, 2, n))
       allocate (table%ideal_error(3, ideal, steps), table%end_ideal_error(0:2, ideal, 2, steps))
+      allocate (table%rate(waves), table%wave(2, waves, 5, steps))
     end associate
   end subroutine allocate_table
 
@@ -130,7 +137,7 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: steps
 
-    table_bytes = 8*(real(steps, dp)*(50 + 41*osc%pairs + 9*osc%coasts) + &
+    table_bytes = 8*(real(steps, dp)*(50 + 41*osc%pairs + 9*osc%coasts + 10*size(osc%mesh%deviations%rates())) + &
                      real(steps + further_laws(steps), dp)*(23 + 12*osc%contacts + 3*osc%pairs + 6*osc%pairs**2))
   end function table_bytes
 
@@ -218,57 +225,97 @@ contains
     end do
   end subroutine fill_pair
 
-  !> Fills in the profile errors of one of the mesh periods after which the deviations repeat, and what follows from them.
+  !> Fills in the profile errors of one of the mesh periods after which the deviations repeat, and what follows from them: the
+  !> laws of full contact, and the bounds. The other laws follow as they are needed.
   pure subroutine enter_period(osc, period, table)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: period                !< index from 0
-    type(coefficients_t), intent(inout) :: table  !< table; laws that are not of full contact are deleted
+    type(coefficients_t), intent(inout) :: table
     integer :: i
 
     if (period == table%period) return
     table%interval = table%interval + (period - table%period)*(size(osc%intervals)/table%periods)
     table%period = period
-    call forget_laws(table)
+    call add_deviations(osc, table)
     do i = 1, table%steps
-      call add_deviations(osc, osc%intervals(table%interval(i)), i, table)
-      call apply_errors(osc, i, i, table)
-      if (osc%coasts > 1) call add_coast_flanks(osc, i, 0, i, table)
+      call renew_law(osc, i, i, table)
     end do
     call find_bounds(osc, table)
   end subroutine enter_period
 
-  !> Adds the errors of single teeth and the waves over a step to the profile errors without deviations.
-  pure subroutine add_deviations(osc, interval, step, table)
+  !> Computes what a law has of the profile errors of this mesh period.
+  pure subroutine renew_law(osc, step, law, table)
     type(oscillator_t), intent(in) :: osc
-    type(interval_t), intent(in) :: interval
-    integer, intent(in) :: step
+    integer, intent(in) :: step, law
     type(coefficients_t), intent(inout) :: table
-    real(dp) :: phase(5), wave(0:2), d(0:2), of_coast(0:2)
-    integer :: j, k
+
+    if (touches_coast(osc, table%contact_set(law))) then
+      call fill_law(osc, step, table%contact_set(law), law, table)
+    else
+      call apply_errors(osc, step, law, table)
+      if (osc%coasts > 1) call add_coast_flanks(osc, step, 0, law, table)
+      table%law_period(law) = table%period
+    end if
+  end subroutine renew_law
+
+  !> Adds the errors of single teeth and the waves to the profile errors without deviations.
+  pure subroutine add_deviations(osc, table)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: phase(5), amplitude(2, size(table%rate)), wave(0:2, 5), of_coast(0:2, 5), d(0:2, 5)
+    integer :: drive, i, j
+
+    drive = size(osc%mesh%deviations%waves)
+    call osc%mesh%deviations%amplitudes_in(table%period, amplitude)
+    do i = 1, table%steps
+      phase = points_of(table, i)
+      associate (interval => osc%intervals(table%interval(i)))
+        call sum_waves(amplitude(:, :drive), table%rate(:drive), table%wave(:, :drive, :, i), wave)
+        if (osc%coasts > 1) &
+          call sum_waves(amplitude(:, drive + 1:), table%rate(drive + 1:), table%wave(:, drive + 1:, :, i), of_coast)
+        do j = 1, interval%pairs
+          d = wave
+          call interval%add_deviation(phase, j, d)
+          table%profile_error(:, j, i) = table%ideal_error(:, j, i) + d(0, :3)
+          table%end_profile_error(:, j, :, i) = table%end_ideal_error(:, j, :, i) + d(:, 4:)
+          if (osc%coasts < 2) cycle
+          d = of_coast
+          d(0, :) = d(0, :) + osc%backlash + interval%coast(j)
+          table%coast_gap(:, j, i) = d(0, :3)
+          table%end_coast_gap(:, j, :, i) = d(:, 4:)
+        end do
+      end associate
+    end do
+  end subroutine add_deviations
+
+  !> Phases of the nodes and ends of a step.
+  pure function points_of(table, step) result(phase)
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+    real(dp) :: phase(5)
 
     phase(:3) = table%left(step) + table%width(step)*merge(stiff_nodes, nodes, table%kind(step)%stiff)
     phase(4:) = table%left(step) + table%width(step)*[0, 1]
+  end function points_of
+
+  !> Sum of waves at the nodes and ends of a step, with its first and second derivative over the phase; (0:2, point).
+  pure subroutine sum_waves(amplitude, rate, wave, w)
+    real(dp), intent(in) :: amplitude(:, :)      ! m; (cosine or sine, wave)
+    real(dp), intent(in) :: rate(:), wave(:, :, :)         ! as in coefficients_t
+    real(dp), intent(out) :: w(0:2, 5)
+    integer :: i, k
+
+    w = 0
     do k = 1, 5
-      wave = osc%mesh%deviations%wave_at(interval%period, phase(k))
-      if (osc%coasts > 1) of_coast = osc%mesh%deviations%coast_wave_at(interval%period, phase(k))
-      do j = 1, interval%pairs
-        d = wave + interval%deviation_of(phase(k), j)
-        if (k <= 3) then
-          table%profile_error(k, j, step) = table%ideal_error(k, j, step) + d(0)
-        else
-          table%end_profile_error(:, j, k - 3, step) = table%end_ideal_error(:, j, k - 3, step) + d
-        end if
-        if (osc%coasts < 2) cycle
-        d = of_coast
-        d(0) = d(0) + osc%backlash + interval%coast(j)
-        if (k <= 3) then
-          table%coast_gap(k, j, step) = d(0)
-        else
-          table%end_coast_gap(:, j, k - 3, step) = d
-        end if
+      do i = 1, size(rate)
+        associate (a => amplitude(:, i), c => wave(1, i, k), s => wave(2, i, k))
+          w(0, k) = w(0, k) + a(1)*c + a(2)*s
+          w(1, k) = w(1, k) + rate(i)*(a(2)*c - a(1)*s)
+          w(2, k) = w(2, k) - rate(i)**2*(a(1)*c + a(2)*s)
+        end associate
       end do
     end do
-  end subroutine add_deviations
+  end subroutine sum_waves
 
   !> Tabulates the period at a resolution.
   pure subroutine tabulate(osc, resolution, table)
@@ -276,6 +323,7 @@ contains
     type(resolution_t), intent(in) :: resolution
     type(coefficients_t), intent(inout) :: table           !< table; its memory is reused; no steps if memory is too small
     type(grading_t) :: grading(size(osc%frequency, 2))
+    real(dp) :: phase(5)
     integer :: counts(size(osc%frequency, 2)), i, j, n, first, last
 
     n = size(counts)
@@ -313,9 +361,15 @@ contains
     if (osc%mesh%deviations%any()) then
       table%ideal_error(:, :, :) = table%profile_error
       table%end_ideal_error(:, :, :, :) = table%end_profile_error
+      table%rate(:) = osc%mesh%deviations%rates()
       do i = 1, table%steps
-        call add_deviations(osc, osc%intervals(table%interval(i)), i, table)
+        phase = points_of(table, i)
+        do j = 1, size(phase)
+          table%wave(1, :, j, i) = cos(table%rate*phase(j))
+          table%wave(2, :, j, i) = sin(table%rate*phase(j))
+        end do
       end do
+      call add_deviations(osc, table)
     end if
     table%laws = table%steps
     do i = 1, table%steps
@@ -416,6 +470,7 @@ contains
       end if
       law = table%next(law)
     end do
+    if (table%law_period(law) /= table%period) call renew_law(osc, step, law, table)
   end subroutine need_law
 
   !> Deletes the laws that are not of full contact.
@@ -437,6 +492,7 @@ contains
     if (osc%coasts == 1) call add_coast(osc, step, touches_coast(osc, contact_set), law, table)
     if (osc%coasts > 1) call add_coast_flanks(osc, step, shiftr(contact_set, osc%pairs), law, table)
     table%omega(1:3, law) = sqrt(table%omega_squared(1:3, law))
+    table%law_period(law) = table%period
   end subroutine fill_law
 
   !> Computes what a law has without profile errors.

@@ -14,8 +14,8 @@ module gearsweep_motion_period
   use gearsweep_motion_literature, only: run_literature_period
   use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, evaluate_candidates
   use gearsweep_motion_oscillator, only: touches_coast
-  use gearsweep_motion_period_map, only: compose, enter, flush_to_zero, is_cut, leave_full_contact, need_full_propagator, &
-    need_laws, need_propagator, period_map_t, take_step
+  use gearsweep_motion_period_map, only: compose, enter, flush_to_zero, is_cut, leave_full_contact, need_laws, need_propagator, &
+    period_map_t, take_step
   use gearsweep_motion_trace, only: record, trace_t
   implicit none
   private
@@ -33,7 +33,7 @@ contains
     real(dp), intent(in) :: start(:, :)                    !< x, y (m) at the start; (2, speed)
     type(period_t), intent(inout) :: period(:)             !< results at each speed
     real(dp) :: x(batch_size, 2), y(batch_size, 2)
-    integer :: place, from, to, i, k, l
+    integer :: contact_set(batch_size), place, from, to, i, k, l
 
     if (allocated(map%literature)) then
       call run_literature_period(map%osc, map%literature, map%duration(1), start(:, 1), .true., period(1))
@@ -51,7 +51,8 @@ contains
       call enter(map, k)
       do i = 1, map%table%steps
         if (is_cut(map, i)) exit
-        call need_full_propagator(map, i, k > 0, place)
+        contact_set = map%table%full(i)
+        call need_propagator(map, i, contact_set, place)
         if (k == 0) call compose(map%propagator(:, :4, place), map%mesh_monodromy)
         if (k == 0 .and. modulo(i, 64) == 0) call flush_to_zero(map%mesh_monodromy, map%mesh_shrunk)
         call take_step(map%propagator(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))

@@ -17,7 +17,7 @@ module gearsweep_motion_period_map
   implicit none
   private
   public :: dense_step_t, period_map_t, discretise, set_durations, need_laws, need_propagator, take_step, compose, flush_to_zero
-  public :: enter, leave_full_contact, need_full_propagator, propagate_alike, is_cut
+  public :: enter, leave_full_contact, propagate_alike, is_cut
 
   !> Step in which contact changes, before or after the change, with the motion within it (gearsweep_motion_single_event).
   type :: dense_step_t
@@ -169,24 +169,6 @@ contains
     end if
     map%period(place) = map%table%period
   end subroutine need_propagator
-
-  !> Computes the propagator of a step in full contact; `made` before in another mesh period, only its part of 1.
-  pure subroutine need_full_propagator(map, step, made, place)
-    type(period_map_t), intent(inout) :: map
-    integer, intent(in) :: step
-    logical, intent(in) :: made
-    integer, intent(out) :: place                          !< index of the propagator in the cache
-
-    place = merge(step, 1, map%cached)
-    if (made .and. map%cached) then
-      call push(map, step, spread(step, 1, batch_size), place)
-    else
-      call propagate_alike(map%osc, map%table, step, map%duration(:map%speeds), step, map%propagator(:, :, place), &
-                           map%weight(:, :, place))
-      map%contact_set(:, place) = map%table%full(step)
-    end if
-    map%period(place) = map%table%period
-  end subroutine need_full_propagator
 
   !> Computes a propagator's part of 1 by the forcing in this mesh period.
   pure subroutine push(map, step, law, place)
