@@ -69,7 +69,7 @@ def words(study):
 def test_the_screen_marks_what_was_assumed(usual):
     assert words(usual) == (
         'damping ratio 0.1 (assumed); whole gears held at bores of 19.17 and 47.5 mm (assumed) '
-        'the coast flanks never touch (assumed, as the case states no backlash)'
+        'the coast flanks never touch (assumed: no backlash_um and no thickness allowance)'
     )
     stated = run(pair='backlash_um = 60', pinion='bore_mm = 20', gear='bore_mm = 45', more=WHOLE + DAMPING)
     assert words(stated) == 'damping ratio 0.1; whole gears held at bores of 20 and 45 mm backlash 60 um'
@@ -80,7 +80,7 @@ def test_the_screen_marks_what_was_assumed(usual):
     thin = run(pinion='thickness_allowance_um = -60')
     backlash = thin.geometry.backlash_um
     assert f'backlash {backlash:.4g} um, as the thickness allowances leave' in words(thin)
-    assert ', no backlash' in usual.report() and 'backlash 0 um' not in usual.report()
+    assert ', nominally without backlash' in usual.report() and 'backlash 0 um' not in usual.report()
 
 
 def test_the_resonance_of_the_standard_stands_beside(usual):

@@ -289,7 +289,7 @@ contains
           call lines%add('backlash '//str(micro*motion%backlash, 4)//' um'// &
                          when(.not. case%has_backlash, ', as the thickness allowances leave'))
         else
-          call lines%add('the coast flanks never touch (assumed, as the case states no backlash)')
+          call lines%add('the coast flanks never touch (assumed: no backlash_um and no thickness allowance)')
         end if
       end associate
     end associate

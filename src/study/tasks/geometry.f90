@@ -168,7 +168,7 @@ contains
       call lines%put(left('', 19)//'centre distance '//str(pair%number('centre_distance_mm'), 7)//' mm, working angle '// &
                      str(pair%number('working_angle_deg'), 7)//' deg, ')
       if (pair%number('backlash_um') > 0) call lines%put('backlash '//str(pair%number('backlash_um'), 4)//' um')
-      if (.not. pair%number('backlash_um') > 0) call lines%put('no backlash')
+      if (.not. pair%number('backlash_um') > 0) call lines%put('nominally without backlash')
       call lines%add('')
       call lines%add(left('Diameters', 19)//'tip '//trim(both(gears, 'tip'))//', reference '//trim(both(gears, 'reference'))// &
                      ', base '//trim(both(gears, 'base'))//', root '//trim(both(gears, 'root'))//' mm')
