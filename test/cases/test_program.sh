@@ -152,6 +152,15 @@ check 'completion of an option' completes '--verbose --version' --ve
 check 'completion of a key of a group' completes amount_um --help relief am
 check 'completion of a group and its keys' completes 'relief relief_um' --help relie
 check 'completion of a case' completes base.nml bas
+# completes_in_zsh WANTED LINE: Tab completes this line in zsh.
+completes_in_zsh() {
+  timeout 60 zsh -f "$root/test/cases/complete.zsh" "$root/app/completion.sh" "$program" "$2" "$1" </dev/null
+}
+need zsh
+check 'zsh: completion of a task' completes_in_zsh 'new sweep' 'gearsweep --new sw'
+check 'zsh: completion of an option' completes_in_zsh '--help' 'gearsweep --he'
+check 'zsh: completion of a key of a group' completes_in_zsh amount_um 'gearsweep --help relief am'
+check 'zsh: completion of a case' completes_in_zsh base.nml 'gearsweep bas'
 run --describe
 check 'description: exit code' exits 0
 check 'description: JSON' "$root/.venv/bin/python" -c 'import json, sys
