@@ -138,12 +138,14 @@ def limited(call: Callable[[], Any], seconds: float) -> Any:
     Raises
     ------
     Late
-        It has not ended within these seconds. An exception ends it at its next step of Python; the caller does not wait for that.
+        It has not ended within these seconds. An exception ends it at its next step of Python; the caller does not wait for that,
+        but for a step that holds Python's lock.
     """
     worker = _Worker(call, lambda _: None)
+    end = time.monotonic() + seconds
     worker.start()
     try:
-        if not worker.done.wait(max(0.0, seconds)):
+        if not worker.done.wait(max(0.0, seconds)) or time.monotonic() > end:
             raise Late
     finally:
         if worker.abandon():

@@ -7,6 +7,7 @@ import math
 import os
 import pickle
 import sys
+import threading
 import time
 import warnings
 from collections import deque
@@ -30,6 +31,8 @@ _TRIES = 2
 _LOOK, _WAIT = 5.0, 1.0
 #: Seconds without any worker of a cluster before a warning.
 _SILENT = 10.0
+#: Seconds that processes have to end by themselves after their last block; a call that its time limit abandoned may go on in them.
+_GRACE = 5.0
 
 
 class NoWorkerWarning(UserWarning):
@@ -137,9 +140,19 @@ class Workers:
         """Shuts down an executor of this package; `at_once`: without waiting for its calls."""
         if self.make is None:
             return
-        for process in list((getattr(self.executor, '_processes', None) or {}).values()) if at_once else ():
-            process.kill()
+        processes = list((getattr(self.executor, '_processes', None) or {}).values())
+
+        def kill() -> None:
+            for process in processes:
+                process.kill()
+
+        if at_once:
+            kill()
+        timer = threading.Timer(_GRACE, kill)
+        timer.daemon = True
+        timer.start()
         self.executor.shutdown(wait=True, cancel_futures=True)
+        timer.cancel()
 
     def check(self, job: Job) -> None:
         """Raises an `Error` if the work cannot be sent to processes, or if these end at their start."""
@@ -190,7 +203,6 @@ def _initialise() -> None:
     """In a computing process, leaves Ctrl-C and SIGTERM to the parent, and ends the process if the parent is killed."""
     import multiprocessing
     import signal
-    import threading
 
     for one in (signal.SIGINT, signal.SIGTERM):
         signal.signal(one, signal.SIG_IGN)

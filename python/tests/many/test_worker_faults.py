@@ -1,6 +1,7 @@
 """Workers, schedulers, disks and keys that stop a run of many variants: what is done is kept, and goes on to the same bits."""
 
 import concurrent.futures
+import ctypes
 import json
 import os
 import resource
@@ -19,6 +20,7 @@ import pytest
 import gearsweep
 from gearsweep import Code, Error
 from gearsweep.core import watch
+from gearsweep.many.execution import Workers
 
 many = pytest.importorskip('gearsweep.many')
 import worker_faults  # noqa: E402
@@ -199,6 +201,22 @@ def test_seconds_hold_for_reduce_too(expected, executor, tmp_path):
     while any(isinstance(thread, watch._Worker) for thread in threading.enumerate()):
         assert time.monotonic() < until
         time.sleep(0.01)
+
+
+def test_processes_are_not_waited_for_after_the_last_block():
+    """A call that its limit abandoned goes on in its process, here for two minutes."""
+    workers = Workers(1)
+    workers.submit(time.sleep, 120)
+    began = time.monotonic()
+    workers.close()
+    assert time.monotonic() - began < 60
+
+
+def test_a_call_that_holds_the_lock_of_python_is_late():
+    """usleep with the lock held, for 0.3 s: the limit cannot end it, but sees that it was passed."""
+    with pytest.raises(watch.Late):
+        watch.limited(lambda: ctypes.PyDLL(None).usleep(300_000), 0.05)
+    assert watch.limited(lambda: 7, 60) == 7
 
 
 def test_a_variant_that_takes_too_long_is_late(tmp_path):
