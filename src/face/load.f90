@@ -150,13 +150,14 @@ contains
     load_at = sum(product%line_load(:, :product%pairs(row), row), 2)
   end function load_at
 
-  !> Compliance shared with the next tooth by the tooth of a gear at path coordinate `s`, m2/N.
+  !> Compliance that the tooth of a gear at path coordinate `s` shares with its neighbours, m2/N: the mean of both, so that pinion
+  !> and gear may be exchanged.
   elemental real(dp) function shared_at(tooth, s)
     type(plane_tooth_t), intent(in) :: tooth
     real(dp), intent(in) :: s
 
     associate (breaks => tooth%shared%breaks)
-      shared_at = tooth%shared%value(min(max(s, breaks(1)), breaks(size(breaks))))
+      shared_at = (tooth%shared%value(min(s, breaks(size(breaks)))) + tooth%shared%value(max(s - 1, breaks(1))))/2
     end associate
   end function shared_at
 
@@ -280,7 +281,7 @@ contains
       shared = 0
       do i = 1, 2
         associate (tooth => mesh%tooth(i))
-          shared = shared + (shared_at(tooth, s) - merge(tooth%decline, 0.0_dp, later > 1))*law(i)%body
+          shared = shared + (tooth%shared%value(s) - merge(tooth%decline, 0.0_dp, later > 1))*law(i)%body
         end associate
       end do
     end function between_lines

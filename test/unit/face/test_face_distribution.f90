@@ -358,9 +358,9 @@ contains
       call find_face_load(face, alignment, 150e3_dp*face%width, found(i), error)
       call check_no_error(t, 'load', error)
     end do
-    call check_close(t, 'K_F beta', found(2)%root_factor, found(1)%root_factor, 2e-3_dp)
-    call check_close(t, 'K_H beta', found(2)%single_factor, found(1)%single_factor, 2e-3_dp)
-    call check_close(t, 'pressure', found(2)%largest_pressure, found(1)%largest_pressure, 2e-3_dp)
+    call check_close(t, 'K_F beta', found(2)%root_factor, found(1)%root_factor, 1e-9_dp)
+    call check_close(t, 'K_H beta', found(2)%single_factor, found(1)%single_factor, 1e-9_dp)
+    call check_close(t, 'pressure', found(2)%largest_pressure, found(1)%largest_pressure, 1e-9_dp)
   end subroutine exchanged
 
   !> 1500 random pairs, from light to heavy loads: each has a solution, loads add up, K_H beta is at least 1, and the misalignment
