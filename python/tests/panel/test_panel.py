@@ -11,6 +11,7 @@ import threading
 import time
 import webbrowser
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -405,6 +406,22 @@ def test_runs_wait_for_their_turn_and_can_be_stopped_then(api, monkeypatch):
     for thread in threads:
         thread.join(60)
     assert ended['a'] == ended['b'] == 'done'
+
+
+def test_eight_requests_at_once_are_all_answered_alike(server):
+    case = Case(PRESCRIBED).changed(case={'tasks': 'sweep'}, sweep={'load_rpm': None})
+
+    def at_once(*asked):
+        with ThreadPoolExecutor(8) as pool:
+            answers = list(pool.map(lambda _: ask(server, *asked), range(8)))
+        assert [status for status, _ in answers] == 8 * [200]
+        return [body for _, body in answers]
+
+    results = [json.loads(body.splitlines()[-1])['result'] for body in at_once('POST', '/call/run', {'text': case.text, 'place': ''})]
+    assert all({**one, 'study': '', 'seconds': 0} == {**results[0], 'study': '', 'seconds': 0} for one in results)
+    assert len({one['study'] for one in results}) == 8
+    for path in ('table?table=sweep', 'report?'):
+        assert len(set(at_once('GET', f'/file/{path}&name=pair&study={results[0]["study"]}'))) == 1
 
 
 def test_a_run_comes_line_by_line_and_its_files_are_the_programs(server, tmp_path):
