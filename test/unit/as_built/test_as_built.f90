@@ -62,6 +62,7 @@ contains
     if (t%wants('given_motions')) call given_motions(t, given)
     if (t%wants('estimated')) call estimated(t, given)
     if (t%wants('by_keys')) call by_keys(t, given)
+    if (t%wants('with_friction')) call with_friction(t)
     if (t%wants('moved')) call moved(t, given)
     if (t%wants('scaled')) call scaled(t, given)
     if (t%wants('alike')) call alike(t)
@@ -301,6 +302,41 @@ contains
       end associate
     end do
   end subroutine by_keys
+
+  !> Friction, waves and pairs that part for a twentieth of a mesh period: against DOP853 with located changes of contact
+  !> (tools/reference/make_turn_with_friction.py). At each tolerance the error is below twice its estimate.
+  subroutine with_friction(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: dynamic_factor = 2.366433441471_dp, of_pair_28 = 1.373202269366_dp
+    character(*), parameter :: tolerance(3) = [character(5) :: '1e-6', '1e-9', '1e-11']
+    character(*), parameter :: text = &
+      '&case tasks = ''as_built'' / &load normal_force_n = 2471.162 / &as_built rpm = 115654.02 / &mesh model = '// &
+      '''polynomial'', contact_ratio = 1.880688, pitch_point = 0.89915, coefficients = 422.865 0 -149.424 0 -2.592 0 '// &
+      '47.765 0 -33.716 / &dynamics damping_ratio = 0.10853, friction = 0.0406 / &pinion teeth = 10, effective_mass_kg '// &
+      '= 0.3011 / &gear teeth = 35, effective_mass_kg = 0.3012 / &pair pressure_angle_deg = 21.33146835576881 / &relief '// &
+      'amount_um = 17.513, shape = ''parabolic'', gear_fraction = 0 / &deviations pinion_counting = '// &
+      '''counterclockwise'', pinion_flank = ''left'', pinion_tooth = 4, pinion_cumulative_pitch_um = -3.05996209253904 '// &
+      '0.43505776151152636 -1.0255146410281473 -1.7366209661028416 1.2763940215143295 -0.949237562293664 '// &
+      '-6.387296971953901 3.5248232270608577 2.4565136448982146 3.935957953618669, pinion_profile_form_um = '// &
+      '-1.23131372238288 0.4711267154654208 -3.390556076915558 1.2240628983085249 -4.638582064542988 '// &
+      '0.05261268688099199 -0.37500908413829753 1.302230318817427 1.0025590653053567 -2.1574738608560065, '// &
+      'pinion_wave_order = 21, pinion_wave_um = 0.6805, pinion_wave_phase_deg = 27.886428846812297, gear_wave_order = '// &
+      '11 1, gear_wave_um = 0.4482 2.4939, gear_wave_phase_deg = 83.96352712965137 -80.29545132522384 / &numerics '// &
+      'tolerance = '
+    type(answer_t) :: answer
+    real(dp), allocatable :: load_ratio(:)
+    real(dp) :: off
+    integer :: k
+
+    do k = 1, size(tolerance)
+      call ask(t, text//tolerance(k)//' /', answer)
+      off = abs(answer%one('as_built.dynamic_factor') - dynamic_factor)
+      call check_true(t, 'estimate at '//tolerance(k), off < 2*answer%one('as_built.error_estimate') + 1e-12_dp, str(off))
+    end do
+    call check_close(t, 'dynamic factor', answer%one('as_built.dynamic_factor'), dynamic_factor, absolute=2e-11_dp)
+    load_ratio = answer%all_of('as_built_loads.load_ratio')
+    call check_close(t, 'pair 28', load_ratio(28), of_pair_28, absolute=2e-11_dp)
+  end subroutine with_friction
 
   !> A given motion as the text of a case.
   subroutine write_case(given, ascends, first, text)
