@@ -1047,6 +1047,10 @@ contains
       call check_true(t, 'teeth that meet', size(tooth) == draws*assemblies .and. all(modulo(tooth, assemblies) == 0))
       tooth = nint(answer%all_of('as_built_worst.first_gear_tooth'))
       call check_true(t, 'first tooth of the gear', all(tooth == [((a, a=1, assemblies), draw=1, draws)]))
+      ! The first pair of the turn that is followed enters with the first teeth of its assembly; teeth of a pair count alike.
+      tooth = nint(answer%all_of('as_built_loads.gear_tooth'))
+      call check_true(t, 'teeth of the turn', tooth(1) == 2*k .and. all(modulo(tooth - 2*k - &
+                      nint(answer%all_of('as_built_loads.pinion_tooth')) + 1, assemblies) == 0))
     end do
     worst = maxloc(factor, 1) - 1
     best = minloc(factor, 1) - 1
