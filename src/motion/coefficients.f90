@@ -47,8 +47,8 @@ module gearsweep_motion_coefficients
     real(dp), allocatable, dimension(:, :, :) :: stiffness, profile_error, mobility
     !> Profile error without deviations, as `profile_error` and `end_profile_error`; of size 0 if no tooth deviates.
     real(dp), allocatable :: ideal_error(:, :, :), end_ideal_error(:, :, :, :)
-    !> Waves of the deviations: their rates, rad over the phase, and cosine and sine of rate times phase at the nodes and ends;
-    !> (wave) and (cosine or sine, wave, node or end, step).
+    !> Waves of the deviations: their rates, rad over the phase, and cosine and sine of rate times phase at the nodes, the end
+    !> and the start; (wave) and (cosine or sine, wave, point, step).
     real(dp), allocatable :: rate(:), wave(:, :, :, :)
     !> Stiffness and profile error at the ends, with derivatives (0:2, pair, end, step); the mobility is linear: (pair, end, step)
     real(dp), allocatable, dimension(:, :, :, :) :: end_stiffness, end_profile_error
@@ -263,42 +263,53 @@ contains
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(inout) :: table
     real(dp) :: phase(5), amplitude(2, size(table%rate)), wave(0:2, 5), of_coast(0:2, 5), d(0:2, 5)
-    integer :: drive, i, j
+    integer :: drive, i, j, n
 
     drive = size(osc%mesh%deviations%waves)
     call osc%mesh%deviations%amplitudes_in(table%period, amplitude)
     do i = 1, table%steps
       phase = points_of(table, i)
+      n = merge(4, 5, continues(table, i, i))
       associate (interval => osc%intervals(table%interval(i)))
-        call sum_waves(amplitude(:, :drive), table%rate(:drive), table%wave(:, :drive, :, i), wave)
+        call sum_waves(amplitude(:, :drive), table%rate(:drive), table%wave(:, :drive, :n, i), wave)
         if (osc%coasts > 1) &
-          call sum_waves(amplitude(:, drive + 1:), table%rate(drive + 1:), table%wave(:, drive + 1:, :, i), of_coast)
+          call sum_waves(amplitude(:, drive + 1:), table%rate(drive + 1:), table%wave(:, drive + 1:, :n, i), of_coast)
         do j = 1, interval%pairs
-          d = wave
-          call interval%add_deviation(phase, j, d)
+          d(:, :n) = wave(:, :n)
+          call interval%add_deviation(phase(:n), j, d)
           table%profile_error(:, j, i) = table%ideal_error(:, j, i) + d(0, :3)
-          table%end_profile_error(:, j, :, i) = table%end_ideal_error(:, j, :, i) + d(:, 4:)
+          table%end_profile_error(:, j, 2, i) = table%end_ideal_error(:, j, 2, i) + d(:, 4)
+          if (n == 4) then
+            table%end_profile_error(:, j, 1, i) = table%end_profile_error(:, j, 2, i - 1)
+          else
+            table%end_profile_error(:, j, 1, i) = table%end_ideal_error(:, j, 1, i) + d(:, 5)
+          end if
           if (osc%coasts < 2) cycle
-          d = of_coast
-          d(0, :) = d(0, :) + osc%backlash + interval%coast(j)
+          d(:, :n) = of_coast(:, :n)
+          d(0, :n) = d(0, :n) + osc%backlash + interval%coast(j)
           table%coast_gap(:, j, i) = d(0, :3)
-          table%end_coast_gap(:, j, :, i) = d(:, 4:)
+          table%end_coast_gap(:, j, 2, i) = d(:, 4)
+          if (n == 4) then
+            table%end_coast_gap(:, j, 1, i) = table%end_coast_gap(:, j, 2, i - 1)
+          else
+            table%end_coast_gap(:, j, 1, i) = d(:, 5)
+          end if
         end do
       end associate
     end do
   end subroutine add_deviations
 
-  !> Phases of the nodes and ends of a step.
+  !> Phases of the nodes, the end and the start of a step.
   pure function points_of(table, step) result(phase)
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step
     real(dp) :: phase(5)
 
     phase(:3) = table%left(step) + table%width(step)*merge(stiff_nodes, nodes, table%kind(step)%stiff)
-    phase(4:) = table%left(step) + table%width(step)*[0, 1]
+    phase(4:) = table%left(step) + table%width(step)*[1, 0]
   end function points_of
 
-  !> Sum of waves at the nodes and ends of a step, with its first and second derivative over the phase; (0:2, point).
+  !> Sum of waves at some of the points of a step, with its first and second derivative over the phase; (0:2, point).
   pure subroutine sum_waves(amplitude, rate, wave, w)
     real(dp), intent(in) :: amplitude(:, :)      ! m; (cosine or sine, wave)
     real(dp), intent(in) :: rate(:), wave(:, :, :)         ! as in coefficients_t
@@ -306,7 +317,7 @@ contains
     integer :: i, k
 
     w = 0
-    do k = 1, 5
+    do k = 1, size(wave, 3)
       do i = 1, size(rate)
         associate (a => amplitude(:, i), c => wave(1, i, k), s => wave(2, i, k))
           w(0, k) = w(0, k) + a(1)*c + a(2)*s
@@ -522,7 +533,12 @@ contains
         end if
         table%omega_squared(1:3, law) = table%omega_squared(1:3, law) + effective(:, j)
       end do
-      do end = 1, 2
+      if (continues(table, step, law)) then
+        table%effective(:, :p, 1, law) = table%effective(:, :p, 2, law - 1)
+        table%share(:, :, :, 1, law) = table%share(:, :, :, 2, law - 1)
+        table%end_omega_squared(:, 1, law) = table%end_omega_squared(:, 2, law - 1)
+      end if
+      do end = merge(2, 1, continues(table, step, law)), 2
         if (kind%any) then
           call find_response(contact_set, kind, table%end_stiffness(:, :p, end, step), table%end_shared(:, :, end, step), &
                              table%effective(:, :p, end, law), table%share(:, :p, :p, end, law))
@@ -539,6 +555,15 @@ contains
       end do
     end associate
   end subroutine fill_response
+
+  !> True for a law of full contact whose step begins within a smooth interval: there it is that of the previous step.
+  pure logical function continues(table, step, law)
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step, law
+
+    continues = law == step .and. step > 1
+    if (continues) continues = table%interval(step - 1) == table%interval(step)
+  end function continues
 
   !> Acceleration per deflection (1/s^2) by the pair j at an end of a step, with its derivatives; the mobility is linear.
   pure function accelerating(table, step, law, end, j) result(k)
@@ -567,7 +592,11 @@ contains
       do j = 1, p
         table%forcing(1:3, law) = table%forcing(1:3, law) + table%weight(1:3, j, law)*table%profile_error(1:3, j, step)
       end do
-      do end = 1, 2
+      if (continues(table, step, law)) then
+        table%touching(:, :p, 1, law) = table%touching(:, :p, 2, law - 1)
+        table%end_forcing(:, 1, law) = table%end_forcing(:, 2, law - 1)
+      end if
+      do end = merge(2, 1, continues(table, step, law)), 2
         if (osc%shared > 0) then
           call find_touching(table%share(:, :p, :p, end, law), table%end_profile_error(:, :p, end, step), &
                              table%touching(:, :p, end, law))

@@ -211,10 +211,12 @@ contains
 
     associate (c => state%sub_steps)
       call enter_step(map, step, c)
-      c%event = event_t()
-      c%event%active = state%changes
+      c%event%active = .false.
+      c%event%found = .false.
       do l = 1, map%speeds
-        if (state%changes(l)) call need_curves(map, l, state%contact_set(l), c)
+        if (.not. state%changes(l)) cycle
+        c%event(l) = event_t(active=.true.)
+        call need_curves(map, l, state%contact_set(l), c)
       end do
       c%left = 0
       c%width = 1

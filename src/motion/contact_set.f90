@@ -181,7 +181,8 @@ contains
     real(dp), intent(in) :: columns(:), shrunk     ! 4 elements, not always adjacent
     type(period_t), intent(inout) :: period
 
-    period%scaled = reshape(columns, [2, 2])
+    period%scaled(:, 1) = columns(1:2)
+    period%scaled(:, 2) = columns(3:4)
     period%shrunk = shrunk
     period%monodromy = 0
     if (.not. shrunk < 0) period%monodromy = period%scaled
