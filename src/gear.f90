@@ -2,7 +2,7 @@
 !>
 !> Other rooms use this module, and none of the room's own modules.
 module gearsweep_gear
-  ! One spur gear, as its basic rack generates it (ISO 21771, ISO 53).
+  ! One spur or helical gear in its transverse section, as its basic rack generates it (ISO 21771, ISO 53).
   use gearsweep_gear_gear, only: gear_t, make_gear
   ! Measured flanks of one gear.
   use gearsweep_gear_measured_flanks, only: fit_flanks, flank_points_t, read_flank_points

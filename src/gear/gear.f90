@@ -1,11 +1,11 @@
-!> One spur gear, as its basic rack generates it (ISO 21771, ISO 53).
+!> One spur or helical gear in its transverse section, as its basic rack generates it (ISO 21771, ISO 53).
 !>
 !> Each flank has its own pressure angle: `drive` determines the path of contact, `coast` only the tooth thickness. Lengths in m,
 !> angles in rad.
 module gearsweep_gear_gear
   use gearsweep_base, only: bracket_t, code_input, dp, error_t, fail, pi, str
   use gearsweep_gear_rack, only: check_rack_tip, coast, drive, fillet_undercut, gear_spec_t, generating_shift, least_shift, &
-    straight_end, trochoid_parameter, trochoid_point
+    reference_radius, straight_end, transverse_angle, trochoid_parameter, trochoid_point
   implicit none
   private
   public :: gear_t, gear_spec_t, make_gear, involute, chamfer_base, tip_quantity, drive, coast
@@ -13,6 +13,7 @@ module gearsweep_gear_gear
   !> Gear with the dimensions that follow from its specification.
   type :: gear_t
     type(gear_spec_t) :: spec
+    real(dp) :: transverse_angle(2) = 0          !< alpha_t on the reference circle, rad
     real(dp) :: reference_radius = 0
     real(dp) :: base_radius(2) = 0
     real(dp) :: tip_radius = 0
@@ -24,6 +25,7 @@ module gearsweep_gear_gear
     procedure :: half_angle
     procedure :: thickness
     procedure :: curvature
+    procedure :: base_helix
     procedure :: is_undercut
     procedure :: flank_end
     procedure :: tip_half_angle
@@ -54,8 +56,9 @@ contains
     if (allocated(error)) return
     gear%spec = spec
     associate (m => spec%module, r => gear%reference_radius)
-      r = spec%teeth*m/2
-      gear%base_radius = r*cos(spec%pressure_angle)
+      r = reference_radius(spec)
+      gear%transverse_angle = transverse_angle(spec%pressure_angle, spec%helix_angle)
+      gear%base_radius = r*cos(gear%transverse_angle)
       gear%tip_radius = r + (spec%addendum + spec%profile_shift + spec%tip_alteration)*m
       if (spec%tip_diameter > 0) gear%tip_radius = spec%tip_diameter/2
       gear%root_radius = r - (spec%dedendum - generating_shift(spec))*m
@@ -65,7 +68,7 @@ contains
     ! trochoid.
     do side = drive, coast
       curvature = straight_end(gear%spec, side)
-      gear%fillet_start(side) = gear%spec%pressure_angle(side)
+      gear%fillet_start(side) = gear%transverse_angle(side)
       gear%form_radius(side) = hypot(gear%base_radius(side), max(curvature, 0.0_dp))
       if (gear%is_undercut(side) .or. fillet_undercut(gear%spec) > 0) call cross_undercut(gear, side, error)
     end do
@@ -103,6 +106,7 @@ contains
     call demand(spec%addendum > 0, 'addendum', spec%addendum, 'must be above 0')
     call demand(spec%dedendum > 0, 'dedendum', spec%dedendum, 'must be above 0')
     call demand(all(spec%rack_tip_radius >= 0), 'rack tip radius', minval(spec%rack_tip_radius), 'must be at least 0')
+    call demand(abs(spec%helix_angle) < 0.8_dp, 'helix angle (rad)', spec%helix_angle, 'must lie between -0.8 and 0.8')
     call demand(abs(spec%profile_shift) < 5, 'profile shift', spec%profile_shift, 'must lie between -5 and 5')
 
   contains
@@ -128,7 +132,7 @@ contains
     type(bracket_t) :: beta
     real(dp) :: missed, point(2)
 
-    beta = bracket_t(gear%spec%pressure_angle(side), pi/2)
+    beta = bracket_t(gear%transverse_angle(side), pi/2)
     do while (.not. is_in_space(gear, side, beta%low) .and. beta%low > 0.01_dp)
       beta = bracket_t(step*beta%low, beta%low)
     end do
@@ -263,7 +267,7 @@ contains
   elemental real(dp) function chamfer_base(gear)
     class(gear_t), intent(in) :: gear
 
-    chamfer_base = gear%reference_radius*cos(pi/4)
+    chamfer_base = gear%reference_radius*cos(transverse_angle(pi/4, gear%spec%helix_angle))
   end function chamfer_base
 
   !> Angle from the tooth axis to the involute at `radius` (m), rad. The axis
@@ -274,7 +278,7 @@ contains
     real(dp), intent(in) :: radius
 
     associate (angle => gear%spec%pressure_angle(side))
-      half_angle = (pi/2 + 2*generating_shift(gear%spec)*tan(angle))/gear%spec%teeth + involute(angle) &
+      half_angle = (pi/2 + 2*generating_shift(gear%spec)*tan(angle))/gear%spec%teeth + involute(gear%transverse_angle(side)) &
                    - involute(acos(min(1.0_dp, gear%base_radius(side)/radius)))
     end associate
   end function half_angle
@@ -286,6 +290,13 @@ contains
 
     thickness = radius*(gear%half_angle(drive, radius) + gear%half_angle(coast, radius))
   end function thickness
+
+  !> Base helix angle (rad), positive: right-handed: sin(beta_b) = sin(beta) cos(alpha_n). Source: ISO 21771:2007, section 4.
+  elemental real(dp) function base_helix(gear)
+    class(gear_t), intent(in) :: gear
+
+    base_helix = asin(sin(gear%spec%helix_angle)*cos(gear%spec%pressure_angle(drive)))
+  end function base_helix
 
   !> True if the rack's corner cuts into this side's involute.
   elemental logical function is_undercut(gear, side)

@@ -1,6 +1,7 @@
 !> Measures of a gear: body mass and inertia, span and diameter over pins, flank tolerances.
 !>
-!> Span and pins: ISO 21771:2007, section 8, for teeth as generated with equal pressure angles on both flanks. Flank
+!> Span and pins: ISO 21771:2007, section 8, for teeth as generated with equal pressure angles on both flanks. Of helical gears,
+!> the span is normal to the flanks, and the pins are balls with their centres in one transverse section. Flank
 !> tolerances: ISO 1328-1:2013, the formulas of class 5 and the factor sqrt(2) from class to class; the run-out tolerance is
 !> the standard's informative one. The standard's text was not at hand: the formulas are those of several public programs.
 module gearsweep_gear_measures
@@ -17,7 +18,7 @@ module gearsweep_gear_measures
   type :: measures_t
     integer :: span_teeth = 0                    !< k; 0: no number of teeth can be spanned
     real(dp) :: span = 0                         !< W_k, m
-    real(dp) :: pin_diameter = 0                 !< D_M, m; 0: no pin touches the involutes and extends beyond the tip
+    real(dp) :: pin_diameter = 0                 !< D_M of pins or balls, m; 0: none touches the involutes and is beyond the tip
     real(dp) :: over_pins = 0                    !< M_dK, m
   end type measures_t
 
@@ -103,29 +104,31 @@ contains
     end associate
   end function find_measures
 
-  !> Computes the span W_k = (k - 1) base pitches plus the tooth's thickness on the base circle.
+  !> Computes the span W_k = (k - 1) base pitches plus the tooth's thickness on the base circle, times cos(beta_b). Helical gears
+  !> with narrow faces have it over fewer teeth: the face must be wider than W_k sin(beta_b).
   pure subroutine find_span(gear, measures)
     type(gear_t), intent(in) :: gear
     type(measures_t), intent(inout) :: measures
     real(dp) :: pitch, thickness, wanted
     integer :: k
 
-    associate (base => gear%base_radius(drive), z => gear%spec%teeth)
+    associate (base => gear%base_radius(drive), z => gear%spec%teeth, slope => gear%base_helix())
       pitch = 2*pi*base/z
       thickness = gear%thickness(base)
       wanted = 2*sqrt((v_radius(gear) - base)*(v_radius(gear) + base))
-      k = max(2, 1 + nint((wanted - thickness)/pitch))
+      k = max(2, 1 + nint((wanted/cos(slope)**2 - thickness)/pitch))
       ! One more or less if the jaws would leave the involute.
       if (.not. is_spanned()) k = k + merge(1, -1, touched_at() < maxval(gear%form_radius))
+      if (abs(slope) > 0) k = min(k, 1 + int((gear%spec%face_width/abs(sin(slope)*cos(slope)) - thickness)/pitch))
       if (k < 2 .or. .not. is_spanned()) return
       measures%span_teeth = k
-      measures%span = thickness + (k - 1)*pitch
+      measures%span = (thickness + (k - 1)*pitch)*cos(slope)
     end associate
 
   contains
 
     pure real(dp) function touched_at()
-      touched_at = hypot(gear%base_radius(drive), (thickness + (k - 1)*pitch)/2)
+      touched_at = hypot(gear%base_radius(drive), (thickness + (k - 1)*pitch)/2*cos(gear%base_helix())**2)
     end function touched_at
 
     pure logical function is_spanned()
@@ -149,14 +152,24 @@ contains
   end function half_space
 
   !> Diameter of the pin that touches both flanks of a space at `radius` (m): its centre is on the tangent of the base circle
-  !> through the contact, and on the axis of the space.
+  !> through the contact, and on the axis of the space. A ball touches helical flanks in other transverse sections than its
+  !> centre's, at the angle beta_b; by bisection for the pressure angle at its centre.
   pure real(dp) function pin_at(gear, radius) result(diameter)
     type(gear_t), intent(in) :: gear
     real(dp), intent(in) :: radius
     real(dp) :: angle
+    type(bracket_t) :: centre
 
     angle = gear%curvature(drive, radius)/gear%base_radius(drive)
     diameter = 2*gear%base_radius(drive)*(tan(angle + half_space(gear)) - angle)
+    associate (slope => gear%base_helix())
+      if (.not. abs(slope) > 0) return
+      centre = bracket_t(0.0_dp, pi/2)
+      do while (centre%is_open())
+        call centre%halve(centre%middle() + (tan(centre%middle()) - angle)*tan(slope)**2 < angle + half_space(gear))
+      end do
+      diameter = 2*gear%base_radius(drive)*(tan(centre%middle()) - angle)/cos(slope)
+    end associate
   end function pin_at
 
   !> Diameter (m) of the pin with contact at the V circle. For thin teeth: of the pin that touches closest to it and extends a
@@ -176,7 +189,7 @@ contains
     diameter = pin_at(gear, radius%middle())
   end function usual_pin
 
-  !> Pressure angle at the pin's centre, from inv(angle) = D_M/(2 r_b) minus half of the space; by bisection.
+  !> Pressure angle at the pin's centre, from inv(angle) = D_M/(2 r_b cos(beta_b)) minus half of the space; by bisection.
   pure real(dp) function pin_angle(gear, diameter)
     type(gear_t), intent(in) :: gear
     real(dp), intent(in) :: diameter
@@ -184,7 +197,8 @@ contains
 
     angle = bracket_t(0.0_dp, pi/2)
     do while (angle%is_open())
-      call angle%halve(tan(angle%middle()) - angle%middle() < diameter/(2*gear%base_radius(drive)) - half_space(gear))
+      call angle%halve(tan(angle%middle()) - angle%middle() &
+                       < diameter/(2*gear%base_radius(drive)*cos(gear%base_helix())) - half_space(gear))
     end do
     pin_angle = angle%middle()
   end function pin_angle
@@ -195,7 +209,7 @@ contains
     real(dp), intent(in) :: diameter
     real(dp) :: curvature
 
-    curvature = gear%base_radius(drive)*tan(pin_angle(gear, diameter)) - diameter/2
+    curvature = gear%base_radius(drive)*tan(pin_angle(gear, diameter)) - diameter/2*cos(gear%base_helix())
     touches = curvature >= 0 .and. hypot(gear%base_radius(drive), curvature) >= maxval(gear%form_radius)*(1 - 1e-12_dp) &
               .and. hypot(gear%base_radius(drive), curvature) <= gear%tip_form_radius*(1 + 1e-12_dp)
   end function touches
@@ -230,7 +244,7 @@ contains
   end subroutine check_pin
 
   !> Computes the tolerances of a class, rounded as the standard does, or exactly.
-  pure subroutine find_tolerances(class, teeth, module_mm, face_width_mm, tolerances, error, exactly)
+  pure subroutine find_tolerances(class, teeth, module_mm, face_width_mm, tolerances, error, exactly, helix_angle)
     integer, intent(in) :: class                 !< flank tolerance class A, 1 to 11
     integer, intent(in) :: teeth                 !< 5 to 1000
     real(dp), intent(in) :: module_mm            !< normal module, 0.5 to 70 mm
@@ -238,10 +252,15 @@ contains
     type(tolerances_t), intent(out) :: tolerances
     type(error_t), allocatable, intent(out) :: error       !< a value out of the standard's range
     logical, intent(in), optional :: exactly     !< true: without rounding
+    real(dp), intent(in), optional :: helix_angle  !< on the reference circle, rad, up to 45 degrees
     real(dp) :: d, factor
     logical :: rounds
 
     d = teeth*module_mm
+    if (present(helix_angle)) then
+      call demand('helix angle (deg)', abs(helix_angle)*180/pi, 0.0_dp, 45.0_dp, error)
+      d = d/cos(helix_angle)
+    end if
     call demand('flank tolerance class', real(class, dp), 1.0_dp, 11.0_dp, error)
     call demand('number of teeth', real(teeth, dp), 5.0_dp, 1000.0_dp, error)
     call demand('module (mm)', module_mm, 0.5_dp, 70.0_dp, error)

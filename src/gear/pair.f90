@@ -1,4 +1,4 @@
-!> Two gears in mesh: centre distance, working pressure angle and path of contact.
+!> Two gears in mesh: centre distance, working pressure angle and path of contact, all in the transverse section.
 !>
 !> The path coordinate s runs from the start of contact A (0) to its end E
 !> (the contact ratio), in base pitches. Gear 1 is the pinion, which drives.
@@ -20,9 +20,10 @@ module gearsweep_gear_pair
   type :: pair_t
     type(gear_t) :: gear(2)
     real(dp) :: centre_distance = 0              !< a, m
-    real(dp) :: working_angle(2) = 0             !< alpha_w of the drive and the coast flanks, rad
-    real(dp) :: base_pitch = 0                   !< base pitch of the drive flanks, m
+    real(dp) :: working_angle(2) = 0             !< alpha_wt of the drive and the coast flanks, rad
+    real(dp) :: base_pitch = 0                   !< p_bt, base pitch of the drive flanks, m
     real(dp) :: contact_ratio = 0                !< epsilon_alpha
+    real(dp) :: overlap_ratio = 0                !< epsilon_beta = b sin(beta)/(pi m_n)
     real(dp) :: start_curvature = 0              !< radius of curvature of the pinion flank at A, m
     real(dp) :: coast_contact_ratio = 0          !< contact ratio of the coast flanks, where they carry
     real(dp) :: backlash = 0                     !< along the drive line of action, m
@@ -58,6 +59,9 @@ contains
     if (any(abs(pinion%spec%pressure_angle - gear%spec%pressure_angle) > same)) then
       call fail(error, code_input, 'pressure angle: pinion and gear must have the same angles')
     end if
+    if (abs(pinion%spec%helix_angle + gear%spec%helix_angle) > same) then
+      call fail(error, code_input, 'helix angle: one gear must be right-handed and the other left-handed by the same angle')
+    end if
     if (allocated(error)) return
     pair%gear = [pinion, gear]
     pair%centre_distance = centre_distance
@@ -77,6 +81,7 @@ contains
     pair%working_angle = [working_angle(pair%gear, drive, centre_distance), &
                           working_angle(pair%gear, coast, centre_distance)]
     pair%base_pitch = 2*pi*pinion%base_radius(drive)/pinion%spec%teeth
+    pair%overlap_ratio = minval(pair%gear%spec%face_width)*sin(abs(pinion%spec%helix_angle))/(pi*pinion%spec%module)
     call find_path(pair, error)
     if (present(shorten)) then
       pair%may_shorten = shorten
@@ -113,7 +118,7 @@ contains
       do side = drive, coast
         angle = gears(1)%spec%pressure_angle(side)
         gap = gap + 2*shifts*tan(angle) &
-              + sum(z)*(involute(angle) - involute(working_angle(gears, side, centre_distance)))
+              + sum(z)*(involute(gears(1)%transverse_angle(side)) - involute(working_angle(gears, side, centre_distance)))
       end do
       gap = gap*centre_distance/sum(z)
     end associate

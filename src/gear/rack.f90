@@ -3,11 +3,15 @@
 !> The fillet's parameter `beta` (rad) is the slope of the rack's normal at the cutting point: the pressure angle at the end of
 !> the straight flank, pi/2 on the root circle. A tool with protuberance cuts the fillet deeper into the tooth than the finished
 !> flank. Then the trochoid continues to smaller parameters until it meets that flank. Lengths in m, angles in rad.
+!>
+!> The rack of a helical gear is that of the normal section. In the transverse section, which all points and radii are in, its
+!> lengths along the pitch line are longer by 1/cos(helix angle), and its rounded corner is an ellipse.
 module gearsweep_gear_rack
   use gearsweep_base, only: bracket_t, code_input, dp, error_t, fail, pi, str
   implicit none
   private
-  public :: gear_spec_t, generating_shift, fillet_undercut, check_rack_tip, straight_end, least_shift
+  public :: gear_spec_t, generating_shift, fillet_undercut, check_rack_tip, straight_end, least_shift, reference_radius, &
+            transverse_angle
   public :: corner_depth, corner_place, trochoid_point, trochoid_parameter
 
   integer, parameter, public :: drive = 1, coast = 2
@@ -16,8 +20,8 @@ module gearsweep_gear_rack
   type :: gear_spec_t
     character(6) :: name = ''                    !< for messages: pinion or gear
     integer :: teeth = 0
-    real(dp) :: module = 0
-    real(dp) :: pressure_angle(2) = 20*pi/180    !< pressure angle of the rack: drive, coast
+    real(dp) :: module = 0                       !< normal module, m
+    real(dp) :: pressure_angle(2) = 20*pi/180    !< pressure angle of the rack, in the normal section: drive, coast
     real(dp) :: profile_shift = 0                !< x
     real(dp) :: addendum = 1                     !< h_aP*
     real(dp) :: dedendum = 1.25_dp               !< h_fP*
@@ -33,9 +37,27 @@ module gearsweep_gear_rack
     real(dp) :: protuberance = 0                 !< height of the tool's rounded tip above its flank, pr, m
     real(dp) :: grinding_stock = 0               !< stock on the flank after that tool, normal to it, ground off later, q, m
     real(dp) :: pin_diameter = 0                 !< pin diameter for measuring, m; 0: one with contact at or near the V circle
+    !> Helix angle on the reference circle, rad, positive: right-handed; 0: a spur gear, which all rooms but this one are for.
+    real(dp) :: helix_angle = 0
   end type gear_spec_t
 
 contains
+
+  !> Angle in the transverse section (rad) of a rack's line at this angle in the normal section.
+  !> Source: ISO 21771:2007, section 4: tan(alpha_t) = tan(alpha_n)/cos(beta).
+  elemental real(dp) function transverse_angle(normal_angle, helix_angle) result(angle)
+    real(dp), intent(in) :: normal_angle, helix_angle
+
+    angle = normal_angle
+    if (abs(helix_angle) > 0) angle = atan(tan(normal_angle)/cos(helix_angle))
+  end function transverse_angle
+
+  !> Reference radius r = z m_n/(2 cos(beta)) (m).
+  elemental real(dp) function reference_radius(spec) result(radius)
+    type(gear_spec_t), intent(in) :: spec
+
+    radius = spec%teeth*spec%module/2/cos(spec%helix_angle)
+  end function reference_radius
 
   !> Generating profile shift coefficient x_E: with the tooth-thickness allowance A_s on the reference circle,
   !> x_E = x + A_s/(2 m tan(alpha)) (ISO 21771:2007, section 8); unequal flanks share it by their tangents.
@@ -91,8 +113,8 @@ contains
     type(gear_spec_t), intent(in) :: spec
     integer, intent(in) :: side
 
-    associate (angle => spec%pressure_angle(side))
-      curvature = spec%teeth*spec%module/2*sin(angle) &
+    associate (angle => transverse_angle(spec%pressure_angle(side), spec%helix_angle))
+      curvature = reference_radius(spec)*sin(angle) &
                   - (straight_depth(spec, side) - generating_shift(spec))*spec%module/sin(angle)
     end associate
   end function straight_end
@@ -102,7 +124,9 @@ contains
     type(gear_spec_t), intent(in) :: spec
     integer, intent(in) :: side
 
-    shift = straight_depth(spec, side) - spec%teeth*sin(spec%pressure_angle(side))**2/2 - spec%thinning
+    associate (angle => transverse_angle(spec%pressure_angle(side), spec%helix_angle))
+      shift = straight_depth(spec, side) - spec%teeth/cos(spec%helix_angle)*sin(angle)**2/2 - spec%thinning
+    end associate
   end function least_shift
 
   !> Depth (modules) of the end of the rack's straight flank below its reference line.
@@ -121,14 +145,14 @@ contains
     corner_depth = (spec%dedendum - spec%rack_tip_radius(side) - generating_shift(spec))*spec%module
   end function corner_depth
 
-  !> Distance of that centre from the axis of the rack's space (m).
+  !> Distance of that centre from the axis of the rack's space in the transverse section (m).
   pure real(dp) function corner_place(spec, side)
     type(gear_spec_t), intent(in) :: spec
     integer, intent(in) :: side
 
     associate (angle => spec%pressure_angle(side))
       corner_place = spec%module*(pi/4 + (spec%dedendum - spec%rack_tip_radius(side))*tan(angle) &
-                                  + (spec%rack_tip_radius(side) - fillet_undercut(spec))/cos(angle))
+                                  + (spec%rack_tip_radius(side) - fillet_undercut(spec))/cos(angle))/cos(spec%helix_angle)
     end associate
   end function corner_place
 
@@ -138,14 +162,13 @@ contains
     integer, intent(in) :: side
     real(dp), intent(in) :: beta
     real(dp) :: point(2)
-    real(dp) :: across, x, y, turn, radius
+    real(dp) :: across, x, y, turn, radius, corner(2)
 
-    radius = spec%teeth*spec%module/2
+    radius = reference_radius(spec)
     across = rolled(spec, side, beta)
-    associate (rounding => spec%rack_tip_radius(side)*spec%module)
-      x = across - rounding*cos(beta)
-      y = radius - corner_depth(spec, side) - rounding*sin(beta)
-    end associate
+    corner = rounding(spec, side, beta)
+    x = across - corner(1)
+    y = radius - corner_depth(spec, side) - corner(2)
     turn = (across - corner_place(spec, side))/radius
     point = [x*cos(turn) - y*sin(turn), x*sin(turn) + y*cos(turn)]
   end function trochoid_point
@@ -160,7 +183,7 @@ contains
 
     beta = bracket_t(least, pi/2)
     do while (beta%is_open())
-      call beta%halve(beta%middle() + (rolled(spec, side, beta%middle()) - corner_place(spec, side))/(spec%teeth*spec%module/2) &
+      call beta%halve(beta%middle() + (rolled(spec, side, beta%middle()) - corner_place(spec, side))/reference_radius(spec) &
                       < tangent)
     end do
     trochoid_parameter = beta%middle()
@@ -172,6 +195,26 @@ contains
     integer, intent(in) :: side
     real(dp), intent(in) :: beta
 
+    real(dp) :: corner(2)
+
     rolled = -corner_depth(spec, side)*cos(beta)/sin(beta)
+    if (.not. abs(spec%helix_angle) > 0) return
+    ! The normal of an ellipse does not pass through its centre.
+    corner = rounding(spec, side, beta)
+    rolled = rolled + corner(1) - corner(2)*cos(beta)/sin(beta)
   end function rolled
+
+  !> Place of the cutting point on the rounded corner from the corner's centre, across the rack and downwards (m): on a circle, or
+  !> on the ellipse that a helical gear's transverse section makes of it.
+  pure function rounding(spec, side, beta) result(corner)
+    type(gear_spec_t), intent(in) :: spec
+    integer, intent(in) :: side
+    real(dp), intent(in) :: beta
+    real(dp) :: corner(2)
+    real(dp) :: normal_beta
+
+    normal_beta = beta
+    if (abs(spec%helix_angle) > 0) normal_beta = atan2(sin(beta)*cos(spec%helix_angle), cos(beta))
+    corner = spec%rack_tip_radius(side)*spec%module*[cos(normal_beta)/cos(spec%helix_angle), sin(normal_beta)]
+  end function rounding
 end module gearsweep_gear_rack

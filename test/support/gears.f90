@@ -21,6 +21,7 @@ module test_support_gears
     integer :: teeth(2) = 0
     real(dp) :: shift(2) = 0, addendum(2) = 1, dedendum(2) = 1.25_dp, rounding(2) = 0.25_dp
     real(dp) :: distance = 0                     !< of the centres
+    real(dp) :: helix = 0                        !< helix angle of the pinion; only the outline as cut has one
   end type stated_t
 
 contains

@@ -816,7 +816,7 @@ contains
                                                   180, 550, 150, 190, 240, 180, 190, 260, 490], [9, 5])    ! um
     real(dp), parameter :: exact(9) = [6.3515_dp, 19.2890_dp, 5.3515_dp, 6.7490_dp, 8.6132_dp, 6.2098_dp, 6.8921_dp, 9.2769_dp, &
                                        17.3601_dp]
-    type(tolerances_t) :: found
+    type(tolerances_t) :: found, spur
     type(error_t), allocatable :: error
     integer :: class
 
@@ -831,6 +831,13 @@ contains
     call find_tolerances(6, 40, 3.0_dp, 30.0_dp, found, error)
     call check_true(t, 'of a public program', all(abs([found%single_pitch, found%cumulative_pitch, found%profile] - &
                                                       [9.0_dp, 29.0_dp, 12.0_dp]) < 1e-9_dp))
+    ! Of a helical gear with the reference diameter of a spur gear.
+    call find_tolerances(5, 25, 3.18_dp, 25.4_dp, found, error, exactly=.true., helix_angle=-acos(25/28.0_dp))
+    call check_no_error(t, 'tolerances of a helical gear', error)
+    call find_tolerances(5, 28, 3.18_dp, 25.4_dp, spur, error, exactly=.true.)
+    call check_true(t, 'of a helical gear', all(abs(list(found) - list(spur)) < 1e-12_dp))
+    call find_tolerances(5, 25, 3.18_dp, 25.4_dp, found, error, helix_angle=46*pi/180)
+    call check_error(t, 'beyond 45 degrees', error, 'helix angle (deg) = 46')
     call find_tolerances(12, 25, 3.18_dp, 25.4_dp, found, error)
     call check_error(t, 'class 12', error, 'flank tolerance class = 12')
     call find_tolerances(6, 25, 3.18_dp, 2.0_dp, found, error)

@@ -2,6 +2,7 @@
 module test_geometry
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_base_error, only: error_t
+  use gearsweep_base_text, only: str
   use gearsweep_gear_gear, only: coast, drive, gear_spec_t, gear_t, involute, make_gear
   use gearsweep_gear_profile, only: fillet_parameter, fillet_point, involute_point, root_angle
   use gearsweep_gear_pair, only: free_centre_distance, make_pair, pair_t, tip_alteration
@@ -23,6 +24,8 @@ contains
     if (t%wants('shifted_pair_at_distance')) call shifted_pair_at_distance(t)
     if (t%wants('maitra_pair')) call maitra_pair(t)
     if (t%wants('shifted_thickness')) call shifted_thickness(t)
+    if (t%wants('helical_pairs')) call helical_pairs(t)
+    if (t%wants('helical_undercut')) call helical_undercut(t)
     if (t%wants('dogan_cases')) call dogan_cases(t)
     if (t%wants('asymmetric_teeth')) call asymmetric_teeth(t)
     if (t%wants('path_identities')) call path_identities(t)
@@ -102,6 +105,128 @@ contains
     call check_close(t, 'contact ratio', pair%contact_ratio, 1.202_dp, absolute=5e-4_dp)
     call check_close(t, 'no backlash', pair%backlash, 0.0_dp, absolute=1e-15_dp)
   end subroutine shifted_pair
+
+  !> Helical gears, in half a unit of the last printed digit:
+  !> KHK Gear Technical Reference, profile shifted helical gear of the normal system: m_n 3, beta 30 deg, z 12/60, x 0.09809/0.
+  !> ISO/TR 6336-30, example 1, as printed in MATISO_6336.m of github.com/gfsReboucas/Drivetrain: m_n 8, beta 15.8 deg, z 17/103,
+  !> x 0.145/0, b 100, a 500, d_a 159.66/872.35, T_1 9000 N m; what ISO 6336 computes from this geometry alone.
+  !> Tests of github.com/tkuhn39/semesterthesis: a pair of the FVA-Workbench, m_n 2, beta 20 deg, z 25/40, a 69.172; RIKOR 001,
+  !> m_n 8, beta 11 deg, z 14, b 127, K_A T_1 8962.5 N m.
+  subroutine helical_pairs(t)
+    type(tally_t), intent(inout) :: t
+    type(gear_spec_t) :: spec(2)
+    type(gear_t) :: gear
+    type(pair_t) :: pair
+    type(error_t), allocatable :: error
+    real(dp) :: z_n(2), force, factors(3), stiffness
+
+    call make_specs([12, 60], 3.0_dp, [0.09809_dp, 0.0_dp], spec)
+    spec%helix_angle = [30, -30]*degree
+    call build(spec, pair, error, altered=.true.)
+    call check_no_error(t, 'helical pair', error)
+    call check_close(t, 'transverse pressure angle', pair%gear(1)%transverse_angle(drive)/degree, 22.79588_dp, absolute=5e-6_dp)
+    call check_close(t, 'inv working angle', involute(pair%working_angle(drive)), 0.023405_dp, absolute=5e-7_dp)
+    call check_close(t, 'working angle', pair%working_angle(drive)/degree, 23.1126_dp, absolute=5e-5_dp)
+    call check_close(t, 'centre distance', pair%centre_distance/mm, 125.000_dp, absolute=5e-4_dp)
+    call check_close(t, 'reference diameter 1', 2*pair%gear(1)%reference_radius/mm, 41.569_dp, absolute=5e-4_dp)
+    call check_close(t, 'reference diameter 2', 2*pair%gear(2)%reference_radius/mm, 207.846_dp, absolute=5e-4_dp)
+    call check_close(t, 'base diameter 1', 2*pair%gear(1)%base_radius(drive)/mm, 38.322_dp, absolute=5e-4_dp)
+    call check_close(t, 'base diameter 2', 2*pair%gear(2)%base_radius(drive)/mm, 191.611_dp, absolute=5e-4_dp)
+    ! Sums of rounded diameters, addenda and tooth heights.
+    call check_close(t, 'tip diameter 1', 2*pair%gear(1)%tip_radius/mm, 48.153_dp, absolute=1.5e-3_dp)
+    call check_close(t, 'tip diameter 2', 2*pair%gear(2)%tip_radius/mm, 213.842_dp, absolute=1.5e-3_dp)
+    call check_close(t, 'root diameter 1', 2*pair%gear(1)%root_radius/mm, 34.657_dp, absolute=2.5e-3_dp)
+    call check_close(t, 'root diameter 2', 2*pair%gear(2)%root_radius/mm, 200.346_dp, absolute=2.5e-3_dp)
+    call check_close(t, 'no backlash', pair%backlash, 0.0_dp, absolute=1e-15_dp)
+
+    call make_specs([17, 103], 8.0_dp, [0.145_dp, 0.0_dp], spec)
+    spec%helix_angle = [15.8_dp, -15.8_dp]*degree
+    spec%face_width = 100*mm
+    call build(spec, pair, error, distance=500*mm)
+    call check_no_error(t, 'ISO/TR 6336-30, example 1', error)
+    call check_close(t, 'tip diameter 1', 2*pair%gear(1)%tip_radius/mm, 159.66_dp, absolute=5e-3_dp)
+    call check_close(t, 'tip diameter 2', 2*pair%gear(2)%tip_radius/mm, 872.35_dp, absolute=5e-3_dp)
+    associate (radius => pair%centre_distance*spec%teeth/sum(spec%teeth))
+      call check_close(t, 'backlash on the working circles', pair%backlash, cos(pair%working_angle(drive)) &
+                       *(2*pi*radius(1)/17 - sum(pair%gear%thickness(radius))), absolute=1e-15_dp)
+    end associate
+    spec%tip_diameter = [159.66_dp, 872.35_dp]*mm
+    call build(spec, pair, error, distance=500*mm)
+    call check_close(t, 'contact ratio', pair%contact_ratio, 1.5491_dp, absolute=5e-5_dp)
+    call check_close(t, 'overlap ratio', pair%overlap_ratio, 1.0834_dp, absolute=5e-5_dp)
+    force = 9000/pair%gear(1)%reference_radius
+    call check_close(t, 'tangential force', force, 127352.0_dp, absolute=0.5_dp)
+    z_n = spec%teeth/(cos(pair%gear%base_helix())**2*cos(spec%helix_angle))
+    call check_close(t, 'virtual teeth 1', z_n(1), 18.905_dp, absolute=5e-4_dp)
+    call check_close(t, 'virtual teeth 2', z_n(2), 114.543_dp, absolute=5e-4_dp)
+    associate (at => pair%gear(1)%transverse_angle(drive), awt => pair%working_angle(drive), e => pair%contact_ratio, &
+               d => 2*pair%gear(1)%reference_radius/mm, u => 103/17.0_dp, x => spec(1)%profile_shift)
+      factors = [sqrt(2*cos(pair%gear(1)%base_helix())*cos(awt)/(cos(at)**2*sin(awt))), sqrt(1/e), &
+                 1/sqrt(cos(spec(1)%helix_angle))]
+      call check_close(t, 'Z_H', factors(1), 2.39533_dp, absolute=5e-6_dp)
+      call check_close(t, 'Z_eps', factors(2), 0.803_dp, absolute=5e-4_dp)
+      call check_close(t, 'Z_beta', factors(3), 1.01944_dp, absolute=5e-6_dp)
+      call check_close(t, 'sigma_H0', product(factors)*sqrt(206e3_dp/(2*pi*(1 - 0.3_dp**2))*force/(d*100)*(u + 1)/u), &
+                       1206.58207_dp, absolute=5e-6_dp)
+      stiffness = 1/(0.04723_dp + 0.15551_dp/z_n(1) + 0.25791_dp/z_n(2) - 0.00635_dp*x - 0.11654_dp*x/z_n(1) + 0.00529_dp*x**2)
+      call check_close(t, 'theoretical single stiffness', stiffness, 17.85584_dp, absolute=5e-6_dp)
+      stiffness = 0.8_dp*0.9_dp*cos(spec(1)%helix_angle)*stiffness
+      call check_close(t, 'single stiffness', stiffness, 12.37047_dp, absolute=5e-6_dp)
+      stiffness = (0.75_dp*e + 0.25_dp)*stiffness
+      call check_close(t, 'c_gamma alpha', stiffness, 17.46485_dp, absolute=5e-6_dp)
+      call check_close(t, 'c_gamma beta', 0.85_dp*stiffness, 14.84512_dp, absolute=5e-6_dp)
+    end associate
+
+    call make_specs([25, 40], 2.0_dp, [0.0_dp, 0.0_dp], spec)
+    spec%helix_angle = [20, -20]*degree
+    call build(spec, pair, error, distance=69.172_dp*mm)
+    call check_no_error(t, 'pair of the FVA-Workbench', error)
+    call check_close(t, 'its tip diameter', 2*pair%gear(1)%tip_radius/mm, 57.209_dp, absolute=5e-4_dp)
+    call check_close(t, 'its contact ratio', pair%contact_ratio, 1.527_dp, absolute=5e-4_dp)
+    call check_close(t, 'its virtual teeth', 25/(cos(pair%gear(1)%base_helix())**2*cos(20*degree)), 29.67_dp, absolute=5e-3_dp)
+
+    spec(1) = spec_of('pinion', 14, 8.0_dp, 0.4713_dp)
+    spec(1)%helix_angle = -11*degree
+    call make_gear(spec(1), gear, error)
+    call check_no_error(t, 'RIKOR 001', error)
+    force = 8962.5_dp/gear%base_radius(drive)
+    call check_close(t, 'F_bt', force, 167555.8_dp, absolute=0.05_dp)
+    call check_close(t, 'F_bt/b', force/127, 1319.34_dp, absolute=5e-3_dp)
+    call check_close(t, 'F_bn', force/cos(gear%base_helix()), 170316.0_dp, absolute=0.5_dp)
+    call check_close(t, 'F_bx', -force*tan(gear%base_helix()), 30538.0_dp, absolute=0.5_dp)
+  end subroutine helical_pairs
+
+  !> Least profile shift without undercut of a helical gear: the end of the rack's straight flank at the end of the line of action,
+  !> x = h_fP - rho_fP (1 - sin(alpha_n)) - z sin(alpha_t)^2/(2 cos(beta)).
+  subroutine helical_undercut(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: beta = 25*degree, tiny = 1e-9_dp
+    type(gear_spec_t) :: spec(2)
+    type(gear_t) :: gear
+    type(pair_t) :: pair
+    type(error_t), allocatable :: error
+    real(dp) :: least
+
+    least = 1.25_dp - 0.25_dp*(1 - sin(20*degree)) - 6*sin(atan(tan(20*degree)/cos(beta)))**2/cos(beta)
+    call make_specs([12, 40], 2.0_dp, [least + tiny, 0.0_dp], spec)
+    spec%helix_angle = [beta, -beta]
+    call make_gear(spec(1), gear, error)
+    call check_true(t, 'no undercut of a helical gear', .not. gear%is_undercut(drive))
+    call check_close(t, 'involute from the base circle', gear%form_radius(drive), gear%base_radius(drive), 1e-12_dp)
+    spec%profile_shift = [least - tiny, 0.0_dp]
+    call make_gear(spec(1), gear, error)
+    call check_true(t, 'undercut of a helical gear', gear%is_undercut(drive))
+    spec%profile_shift = [-0.6_dp, 0.0_dp]
+    call build(spec, pair, error)
+    call check_error(t, 'undercut that takes working flank', error, 'to have none it must be at least '//str(least)//', or')
+    spec%helix_angle = [beta, beta]
+    spec%profile_shift = 0.3_dp
+    call build(spec, pair, error)
+    call check_error(t, 'two right-handed gears', error, 'helix angle: one gear must be right-handed and the other left-handed')
+    spec(1)%helix_angle = 0.9_dp
+    call make_gear(spec(1), gear, error)
+    call check_error(t, 'a steep helix', error, 'pinion helix angle (rad) = 0.9: must lie between -0.8 and 0.8')
+  end subroutine helical_undercut
 
   !> The same gears at a given 56.5 mm, as tabulated in "Profile Shifted
   !> External Spur Gears" (bolsover.com), sum of shifts rounded to 0.960 there.

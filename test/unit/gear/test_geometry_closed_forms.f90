@@ -165,7 +165,7 @@ contains
   subroutine outline_as_cut(t)
     type(tally_t), intent(inout) :: t
     integer, parameter :: steps = 6
-    type(stated_t) :: list(9)
+    type(stated_t) :: list(12)
     type(gear_t) :: gear
     type(error_t), allocatable :: error
     real(dp) :: points(2, 5*steps + 1), least, farthest
@@ -177,13 +177,18 @@ contains
     list(7) = stated_t(module=4.5_dp, teeth=[24, 18], shift=[-0.5_dp, 0.0_dp], rounding=[0.38_dp, 0.25_dp])
     list(8) = stated_t(teeth=[8, 12], shift=[0.0_dp, -0.2_dp], rounding=[0.1_dp, 0.25_dp])
     list(9) = stated_t(angle=[25, 15], teeth=[14, 19], rounding=[0.2_dp, 0.0_dp])
+    ! Helical gears: in the normal section of the rack. One is undercut, one is not.
+    list(10) = stated_t(teeth=[25, 40], shift=[0.3_dp, -0.1_dp], helix=30.0_dp)
+    list(11) = stated_t(teeth=[18, 60], shift=[0.2_dp, 0.0_dp], rounding=[0.38_dp, 0.1_dp], helix=-15.0_dp)
+    list(12) = stated_t(teeth=[10, 11], rounding=[0.3_dp, 0.2_dp], helix=20.0_dp)
     do n = 1, size(list)
       associate (pair => list(n))
         do i = 1, 2
           call make_gear(gear_spec_t('gear', pair%teeth(i), pair%module, pair%angle*degree, pair%shift(i), pair%addendum(i), &
-            pair%dedendum(i), pair%rounding(i), face_width=1.0_dp), gear, error)
+            pair%dedendum(i), pair%rounding(i), face_width=1.0_dp, helix_angle=pair%helix*degree), gear, error)
           call check_no_error(t, 'gear to be cut', error)
-          call check_true(t, 'pair '//str(n)//': undercut', any(gear%is_undercut([drive, coast])) .eqv. n > size(examples()))
+          call check_true(t, 'pair '//str(n)//': undercut', any(gear%is_undercut([drive, coast])) .eqv. &
+                          any(n == [6, 7, 8, 9, 12]))
           points = tooth_outline(gear, steps)
           farthest = 0
           least = 0
@@ -305,8 +310,12 @@ contains
 
       associate (m => pair%module, x => pair%shift(gear), rho => pair%rounding(gear), angle => pair%angle(side)*degree)
         ! In the rack's frame: across from the middle of its space, and up from its reference line.
-        p = [point(1)*cos(roll) - point(2)*sin(roll) + m*pair%teeth(gear)/2*roll, &
-             point(1)*sin(roll) + point(2)*cos(roll) - m*(pair%teeth(gear)/2.0_dp + x)]
+        p = [point(1)*cos(roll) - point(2)*sin(roll), point(1)*sin(roll) + point(2)*cos(roll) - m*x]
+        associate (radius => m*pair%teeth(gear)/2/cos(pair%helix*degree))
+          p = p + radius*[roll, -1.0_dp]
+        end associate
+        ! Lengths across the rack in its normal section.
+        p(1) = p(1)*cos(pair%helix*degree)
         centre = m*[pi/4 + (pair%dedendum(gear) - rho)*tan(angle) + (rho - depth)/cos(angle), rho - pair%dedendum(gear)]
         p = p - centre
         flank = -(p(1)*cos(alpha) + p(2)*sin(alpha))

@@ -101,7 +101,7 @@ contains
     call check_error(t, 'more', error, 'the teeth jam; must be at least 91.5000')
   end subroutine tight_by_rounding
 
-  !> Span and diameter over pins against jaws and pins that are pushed against sampled flanks; and a published span: module
+  !> Span and diameter over pins or balls against jaws and pins that are pushed against sampled flanks; and a published span: module
   !> 2 mm, 20 teeth, over three of them (machinecalcs.com, span measurement over teeth).
   subroutine measures_by_jaws_and_pins(t)
     type(tally_t), intent(inout) :: t
@@ -109,12 +109,15 @@ contains
     type(gear_t) :: gear
     type(measures_t) :: measures
     type(error_t), allocatable :: error
-    integer, parameter :: teeth(6) = [20, 25, 51, 12, 17, 40]
-    real(dp), parameter :: shift(6) = [0.0_dp, 0.3_dp, -0.203_dp, 0.5_dp, -0.1_dp, 0.0_dp]
+    integer, parameter :: teeth(9) = [20, 25, 51, 12, 17, 40, 24, 31, 70]
+    real(dp), parameter :: shift(9) = [0.0_dp, 0.3_dp, -0.203_dp, 0.5_dp, -0.1_dp, 0.0_dp, 0.4_dp, 0.0_dp, -0.2_dp]
+    real(dp), parameter :: helix(9) = [0, 0, 0, 0, 0, 0, 25, -10, 30]*degree
     integer :: i
 
-    do i = 1, 6
+    do i = 1, 9
       spec = spec_of(teeth(i), shift(i))
+      spec%helix_angle = helix(i)
+      if (i == 9) spec%face_width = 60*mm
       if (i == 2) spec%thinning = -0.05_dp
       if (i == 3) spec%pin_diameter = 5.5_dp*mm
       ! So thin that a pin which touches at the V circle is below the tip circle.
@@ -128,6 +131,16 @@ contains
                                    2*gear%tip_radius/mm + 2*spec%module/10/mm, absolute=1e-9_dp)
       if (i == 3) call check_close(t, 'stated pins', measures%pin_diameter, 5.5_dp*mm)
     end do
+    ! On a face narrower than W sin(beta_b), the jaws would miss one of the flanks: one tooth fewer, or none on the narrowest.
+    i = measures%span_teeth
+    spec%face_width = measures%span*sin(30*degree)*cos(20*degree)*(1 - 1e-9_dp)
+    call make_gear(spec, gear, error)
+    measures = find_measures(gear)
+    call check_equal(t, 'one tooth fewer on a narrow face', measures%span_teeth, i - 1)
+    spec%face_width = 5*mm
+    call make_gear(spec, gear, error)
+    measures = find_measures(gear)
+    call check_equal(t, 'no span on the narrowest face', measures%span_teeth, 0)
     spec = spec_of(20, 0.0_dp)
     spec%module = 2*mm
     call make_gear(spec, gear, error)
@@ -138,17 +151,27 @@ contains
                      absolute=5e-3_dp)
   end subroutine measures_by_jaws_and_pins
 
-  !> Twice the farthest that the outer flank of `teeth` teeth reaches sidewards.
+  !> Twice the farthest that the outer flank of `teeth` teeth reaches sidewards, of a helical gear in the direction of the flanks'
+  !> normals, which all have the slope beta_b, and at that transverse section (height z) where it reaches farthest.
   real(dp) function by_jaws(gear, teeth) result(span)
     type(gear_t), intent(in) :: gear
     integer, intent(in) :: teeth
-    real(dp) :: r
+    real(dp) :: r, angle, slope, twist, turned
     integer :: i
 
     span = 0
+    slope = atan(tan(gear%spec%helix_angle)*gear%base_radius(drive)/gear%reference_radius)
+    twist = tan(gear%spec%helix_angle)/gear%reference_radius
     do i = 0, samples
       r = gear%form_radius(drive) + (gear%tip_radius - gear%form_radius(drive))*i/samples
-      span = max(span, 2*r*sin((teeth - 1)*pi/gear%spec%teeth + gear%half_angle(drive, r)))
+      angle = (teeth - 1)*pi/gear%spec%teeth + gear%half_angle(drive, r)
+      if (.not. abs(twist) > 0) then
+        span = max(span, 2*r*sin(angle))
+        cycle
+      end if
+      ! Where the derivative by z of r sin(angle + twist z) cos(slope) - z sin(slope) is zero.
+      turned = acos(min(1.0_dp, sin(slope)/(r*twist*cos(slope))))
+      span = max(span, 2*(r*sin(turned)*cos(slope) - (turned - angle)/twist*sin(slope)))
     end do
   end function by_jaws
 
@@ -156,9 +179,10 @@ contains
   real(dp) function over_pins(gear, diameter) result(over)
     type(gear_t), intent(in) :: gear
     real(dp), intent(in) :: diameter
-    real(dp) :: low, high, centre, r, angle, least
-    integer :: i, k
+    real(dp) :: low, high, centre, r, angle, least, twist, z
+    integer :: i, k, n
 
+    twist = tan(gear%spec%helix_angle)/gear%reference_radius
     low = gear%root_radius
     high = gear%tip_radius + diameter
     do k = 1, 45
@@ -167,7 +191,14 @@ contains
       do i = 0, samples/10
         r = gear%form_radius(drive) + (gear%tip_radius - gear%form_radius(drive))*i/(samples/10)
         angle = pi/gear%spec%teeth - gear%half_angle(drive, r)
-        least = min(least, norm2([r*sin(angle), r*cos(angle) - centre]))
+        ! Height of the flank's point that is nearest to the centre of a ball, by Newton's method.
+        z = 0
+        if (abs(twist) > 0) then
+          do n = 1, 4
+            z = z - (z + r*centre*twist*sin(angle + twist*z))/(1 + r*centre*twist**2*cos(angle + twist*z))
+          end do
+        end if
+        least = min(least, norm2([r*sin(angle + twist*z), r*cos(angle + twist*z) - centre, z]))
       end do
       if (least < diameter/2) then
         low = centre
@@ -281,6 +312,14 @@ contains
       call check_true(t, 'a chamfer is a blunter edge', edge > bare + 20*degree)
     end associate
     call check_close(t, 'slope of the chamfer', dot_product(along, p)/norm2(p), 37.5_dp*mm*cos(45*degree)/norm2(p), 1e-6_dp)
+    spec = gear%spec
+    spec%helix_angle = 20*degree
+    call make_gear(spec, short, error)
+    p = tip_break_point(short, drive, 0.0_dp)
+    along = tip_break_point(short, drive, tiny) - p
+    ! The hob's edge is at 45 degrees in the normal section.
+    call check_close(t, 'slope of the chamfer of a helical gear', dot_product(along, p)/norm2(along), &
+                     37.5_dp*mm/cos(20*degree)*cos(atan(1/cos(20*degree))), 1e-6_dp)
     outline = tooth_outline(gear, 5)
     call check_close(t, 'outline reaches the tip circle', maxval(norm2(outline, 1)), gear%tip_radius, 1e-14_dp)
     call check_close(t, 'tip land of the outline', norm2(outline(:, 20) - outline(:, 15)), &
