@@ -41,9 +41,10 @@ def studies() -> list[gearsweep.Study]:
               'as_built': {'waterfall': True, 'with_ste': True, 'with_root_stress': True}, 'deviations': {'pinion_class': 6}}  # fmt: skip
     whole = gearsweep.run(gearsweep.Case.read(ROOT / 'data/case1.nml').changed(**coarse), tasks)
     printed = gearsweep.Case.read(ROOT / 'data/hassan.nml').changed(case={'tasks': 'geometry'})
+    helical = whole.case.changed(case={'tasks': 'geometry'}, pair={'helix_angle_deg': 15})
     with warnings.catch_warnings():
         warnings.simplefilter('ignore', gearsweep.UnusedWarning)
-        return [whole, gearsweep.run(printed)]
+        return [whole, gearsweep.run(printed), gearsweep.run(helical)]
 
 
 def text() -> str:

@@ -21,7 +21,8 @@ module gearsweep_api_help
       'table sweep (task sweep).'), &
     entry_t('quality accuracy tolerance class', 'The accuracy class by ISO 1328-1 is &rating accuracy_grade for the dynamic '// &
       'factor K_v, and &deviations pinion_class and gear_class for drawn flank deviations.'), &
-    entry_t('helix helical beta', 'Helical gears are not computed: gearsweep is for spur gears.'), &
+    entry_t('helix helical beta', 'Helical gears have &pair helix_angle_deg. The task geometry has their dimensions, contact '// &
+      'ratios, span and diameter over balls; the other tasks are for spur gears.'), &
     entry_t('scuffing', 'Scuffing is not rated; the task flank has the flash temperature, film thickness and sliding speed '// &
       'that a rating needs.'), &
     entry_t('wear micropitting', 'Wear and micropitting are not computed; the task flank has pressure, sliding speed and '// &
@@ -29,7 +30,7 @@ module gearsweep_api_help
     entry_t('bearing bearings shaft', 'Bearings are not computed. &face shaft_diameter_mm is the pinion''s shaft, which twists '// &
       'and bends under the load over the face width. In motion the gears turn about fixed axes: hub_inertia_kgm2 of a gear '// &
       'adds the inertia of what turns with it.'), &
-    entry_t('internal bevel worm planetary rack', 'gearsweep is for pairs of external spur gears.')]
+    entry_t('internal bevel worm planetary rack', 'gearsweep is for pairs of external gears.')]
 
 contains
 

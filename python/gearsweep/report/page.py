@@ -74,7 +74,7 @@ def drawings(study: Study, *formats: str) -> dict[str, dict[str, bytes]]:
 
 def page(study: Study, drawn: Mapping[str, Mapping[str, bytes]]) -> str:
     """Builds the page, with the SVG of these pictures."""
-    title = html.escape(study.case.get('case', 'title') or 'A spur-gear pair')
+    title = html.escape(study.case.get('case', 'title') or 'A gear pair')
     first = [name for name in FIRST if name in drawn][:1] or list(drawn)[:1]
     parts = [
         '<!doctype html>', '<html lang="en"><head><meta charset="utf-8">',

@@ -37,6 +37,11 @@ RARE = {
 &load torque_nm = 80 / &optimum with_length = .true. / &mesh model = 'weber' /
 &sweep rpm_first = 3000 rpm_last = 9000 rpm_step = 2000 /
 ''',
+    'helical': '''! Helical gears with thinner teeth.
+&case tasks = 'geometry' /
+&pair module_mm = 2 face_width_mm = 26 helix_angle_deg = 20 pinion_hand = 'left' centre_distance_mm = 69.172 /
+&pinion teeth = 25 generating_shift = -0.02 / &gear teeth = 40 /
+''',
     'rated': '''! Rating and life by the curves of the material, on a stiffness by ISO 6336.
 &case tasks = 'mesh', 'rating', 'life' /
 &pair module_mm = 3 face_width_mm = 20 /

@@ -2,11 +2,11 @@
 !>
 !> &material applies to both gears; the same keys of &pinion and &gear apply to one.
 module gearsweep_study_case_gear_keys
-  use gearsweep_base, only: code_input, dp, error_t, fail, pi, str
+  use gearsweep_base, only: code_input, dp, error_t, fail, join, pi, str
   use gearsweep_gear, only: coast, drive, gear_spec_t
   use gearsweep_elastic, only: material_t
   use gearsweep_study_case_case, only: case_t, for_iso, for_stage
-  use gearsweep_study_case_task, only: sentence_of, stage
+  use gearsweep_study_case_task, only: sentence_of, stage, task_length
   use gearsweep_study_reader_reader, only: first_nonblank, needs_gears, reader_t, sentence_length, text_unless
   implicit none
   private
@@ -168,8 +168,9 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     real(dp), parameter :: degree = pi/180
-    real(dp) :: module, width, drive_angle, coast_angle
+    real(dp) :: module, width, drive_angle, coast_angle, helix_angle
     character(sentence_length) :: geared, slides
+    character(:), allocatable :: hand
     logical :: cut, inclined
 
     cut = .not. case%prescribed
@@ -195,8 +196,21 @@ contains
                                    'only; remove it'), above=3.0_dp, below=45.0_dp, &
                     meaning='pressure angle of the rack on the drive flanks; of a prescribed mesh with friction, or with '// &
                     'run-out and backlash, the working pressure angle')
+    helix_angle = 0
+    call reader%get('pair', 'helix_angle_deg', helix_angle, error, unit='deg', not_allowed=geared, at_least=0.0_dp, &
+                    at_most=35.0_dp, default_note='0, spur gears', &
+                    meaning='helix angle on the reference circle; module, pressure angle and the factors of the rack are then '// &
+                    'those of the normal section; the task geometry only')
+    if (helix_angle > 0) call refuse_tasks(case, helix_angle/degree, error)
+    hand = 'right'
+    call reader%get('pair', 'pinion_hand', hand, error, allowed=[character(5) :: 'right', 'left'], default_note='right', &
+                    not_allowed=first_nonblank(geared, text_unless(helix_angle > 0, &
+                    'is for helical gears, helix_angle_deg; remove it')), &
+                    meaning='hand of the helix of the pinion; that of the gear is opposite')
     coast_angle = drive_angle
-    call reader%get('pair', 'coast_angle_deg', coast_angle, error, unit='deg', not_allowed=geared, above=3.0_dp, below=45.0_dp, &
+    call reader%get('pair', 'coast_angle_deg', coast_angle, error, unit='deg', not_allowed=first_nonblank(geared, &
+                    text_unless(.not. helix_angle > 0, 'helical gears have equal pressure angles; remove it')), &
+                    above=3.0_dp, below=45.0_dp, &
                     default_note='as pressure_angle_deg', &
                     meaning='pressure angle of the rack on the coast flanks, for asymmetric teeth')
     call reader%get('pair', 'centre_distance_mm', case%centre_distance, error, unit='mm', not_allowed=geared, above=0.0_dp, &
@@ -217,8 +231,28 @@ contains
     case%spec%pressure_angle(1) = drive_angle
     if (cut) case%spec%pressure_angle(2) = coast_angle
     case%spec%module = module
+    case%spec%helix_angle = helix_angle*merge([-1, 1], [1, -1], hand == 'left')
     case%spec%face_width = width
   end subroutine read_pair
+
+  !> Refuses tasks that are for spur gears only, of a case with this helix angle (degrees).
+  subroutine refuse_tasks(case, helix_angle, error)
+    type(case_t), intent(in) :: case
+    real(dp), intent(in) :: helix_angle
+    type(error_t), allocatable, intent(inout) :: error
+    character(task_length), allocatable :: helical(:)
+    integer :: i
+
+    helical = [(case%tasks(i)%info%name, i=1, size(case%tasks))]
+    helical = pack(helical, [(case%tasks(i)%info%has_helical, i=1, size(case%tasks))])
+    do i = 1, size(case%tasks)
+      associate (slot => case%tasks(i))
+        if (slot%is_requested .and. .not. slot%info%has_helical) call fail(error, code_input, '&pair helix_angle_deg = '// &
+          str(helix_angle)//': the task '//trim(slot%info%name)//' is for spur gears; for helical gears &case tasks can have '// &
+          join(helical, ', ')//' only')
+      end associate
+    end do
+  end subroutine refuse_tasks
 
   !> Reads the group of one gear, after the section, which may end at the bore.
   subroutine read_gear(reader, group, gear, case, error)
@@ -275,7 +309,8 @@ contains
                       'reaching the fillets, q')
       call reader%get(group, 'pin_diameter_mm', spec%pin_diameter, error, unit='mm', not_allowed=geared, above=0.0_dp, &
                       default_note='one that touches at or near the V circle', &
-                      meaning='diameter of the pins over which the gear is measured; equal pressure angles only')
+                      meaning='diameter of the pins, of helical gears the balls, over which the gear is measured; equal '// &
+                      'pressure angles only')
       call read_web(reader, group, gear, case, geared, error)
       call reader%get(group, 'bore_mm', spec%bore_radius, error, unit='mm', factor=0.5_dp, not_allowed=geared, &
                       unused_without=without_bore(case, gear), at_least=0.0_dp, &

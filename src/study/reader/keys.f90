@@ -312,10 +312,6 @@ contains
     names = pack([(self%key(i)%name, i=1, self%known)], [(self%key(i)%group == group, i=1, self%known)])
     closest = closest_word(name, names)
     why = 'unknown key'
-    if (index(name, 'helix') > 0) then
-      why = 'unknown key: the gears are spur gears, without a helix'
-      return
-    end if
     if (index(name, 'diametral_pitch') > 0) then
       why = 'unknown key: module_mm = 25.4/(diametral pitch)'
       return

@@ -80,6 +80,8 @@ contains
       ! The largest relief of a list; in millimetres 0.5 and less.
       if (key == 'amount_um') least = 0.5_dp
       if (key == 'backlash_um' .or. key == 'thickness_allowance_um') least = 1
+    case ('deg')
+      if (key == 'helix_angle_deg') least = 1
     case ('kg/m^3')
       least = 200
       most = 25000

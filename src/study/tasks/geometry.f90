@@ -23,7 +23,7 @@ contains
     type(task_info_t), intent(out) :: info
 
     info = task_info_t('geometry', needs=[stage%geometry], tables='geometry gears contact_points outline', fields='', &
-                       is_always=.true., &
+                       is_always=.true., has_helical=.true., &
                        summary='diameters, centre distance, working pressure angle, path of contact; outlines of both gears')
   end subroutine describe
 
@@ -67,6 +67,15 @@ contains
         call table%add('coast_contact_ratio', '', 'the same of the coast flanks, where they carry; undercut takes its part off', &
                        [stages%pair%coast_contact_ratio])
         call table%add('base_pitch_mm', 'mm', 'of the drive flanks', [stages%pair%base_pitch])
+        if (abs(spec%helix_angle) > 0) then
+          call table%add('transverse_module_mm', 'mm', 'of helical gears: module in the transverse section', &
+                         [spec%module/cos(spec%helix_angle)])
+          call table%add('transverse_angle_deg', 'deg', 'of helical gears: pressure angle in the transverse section', &
+                         [stages%pair%gear(1)%transverse_angle(drive)])
+          call table%add('overlap_ratio', '', 'of helical gears: face width over axial pitch', [stages%pair%overlap_ratio])
+          call table%add('total_contact_ratio', '', 'of helical gears: contact ratio and overlap ratio together', &
+                         [stages%pair%contact_ratio + stages%pair%overlap_ratio])
+        end if
       end associate
     end associate
     call fill_gears(stages%pair, self%tables(self%place('gears')), error)
@@ -143,6 +152,11 @@ contains
     call table%add('span_mm', 'mm', 'span measurement W_k, base tangent length', measured(measures%span))
     call table%add('pin_diameter_mm', 'mm', 'pins that the gear is measured over', measured(measures%pin_diameter))
     call table%add('over_pins_mm', 'mm', 'diameter over pins M_dK', measured(measures%over_pins))
+    if (.not. any(abs(pair%gear%spec%helix_angle) > 0)) return
+    call table%add('helix_angle_deg', 'deg', 'of helical gears: on the reference circle, positive: right-handed', &
+                   [pair%gear%spec%helix_angle])
+    call table%add('base_helix_angle_deg', 'deg', 'of helical gears: on the base circle, positive: right-handed', &
+                   [pair%gear%base_helix()])
   end subroutine fill_gears
 
   !> The measured length, or NaN for none.
@@ -156,6 +170,7 @@ contains
   pure subroutine add_report(self, lines)
     class(geometry_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
+    logical :: is_helical
     integer :: i
 
     associate (pair => self%tables(self%place('geometry')), gears => self%tables(self%place('gears')), &
@@ -164,6 +179,9 @@ contains
                      ' teeth, module '//str(pair%number('module_mm'))//' mm, '//str(pair%number('pressure_angle_deg'))//' deg')
       if (abs(pair%number('coast_angle_deg') - pair%number('pressure_angle_deg')) > 0) &
         call lines%put(' (coast '//str(pair%number('coast_angle_deg'))//')')
+      is_helical = pair%position('overlap_ratio') > 0
+      if (is_helical) call lines%put(', helix '//str(abs(gears%number('helix_angle_deg')))//' deg, pinion '// &
+        trim(merge('right', 'left ', gears%number('helix_angle_deg') > 0))//'-handed')
       call lines%add(', face width '//str(pair%number('face_width_mm'))//' mm')
       call lines%put(left('', 19)//'centre distance '//str(pair%number('centre_distance_mm'), 7)//' mm, working angle '// &
                      str(pair%number('working_angle_deg'), 7)//' deg, ')
@@ -173,7 +191,10 @@ contains
       call lines%add(left('Diameters', 19)//'tip '//trim(both(gears, 'tip'))//', reference '//trim(both(gears, 'reference'))// &
                      ', base '//trim(both(gears, 'base'))//', root '//trim(both(gears, 'root'))//' mm')
       call lines%add(left('', 19)//'involute from '//trim(both(gears, 'form'))//' mm')
-      call lines%put(left('Path of contact', 19)//'contact ratio '//str(pair%number('contact_ratio'), 7)//'; pinion radius at ')
+      call lines%put(left('Path of contact', 19)//'contact ratio '//str(pair%number('contact_ratio'), 7))
+      if (is_helical) call lines%put(', overlap ratio '//str(pair%number('overlap_ratio'), 7)//', total '// &
+        str(pair%number('total_contact_ratio'), 7))
+      call lines%put('; pinion radius at ')
       do i = 1, points%rows
         if (i > 1) call lines%put(', ')
         call lines%put(trim(points%word('point', i))//' '//str(points%number('pinion_radius_mm', i), 7))
@@ -203,7 +224,7 @@ contains
                        str(gears%number('generating_shift', i)))
         if (gears%number('span_teeth', i) > 0) call lines%put(', span over '//str(nint(gears%number('span_teeth', i)))// &
           ' teeth '//str(gears%number('span_mm', i), 7)//' mm')
-        if (gears%number('over_pins_mm', i) > 0) call lines%put(', over pins of '// &
+        if (gears%number('over_pins_mm', i) > 0) call lines%put(', over '//trim(merge('balls', 'pins ', is_helical))//' of '// &
           str(gears%number('pin_diameter_mm', i), 4)//' mm '//str(gears%number('over_pins_mm', i), 7)//' mm')
         call lines%add('')
       end do

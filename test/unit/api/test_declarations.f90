@@ -37,6 +37,7 @@ contains
     if (t%wants('quantities')) call quantities(t)
     if (t%wants('new_cases')) call new_cases(t)
     if (t%wants('slips')) call slips(t)
+    if (t%wants('helical')) call helical(t)
     if (t%wants('cautions')) call cautions(t)
     if (t%wants('reference')) call reference(t)
     if (t%wants('axes')) call axes(t)
@@ -126,6 +127,50 @@ contains
     call table%add('length_in', 'inch', 'a length', written)
     call check_true(t, 'a unit that is not in the list', allocated(table%error))
   end subroutine units
+
+  !> Helical gears: the task geometry and no other, with one sentence each for what is not allowed.
+  subroutine helical(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: only = ' is for spur gears; for helical gears &case tasks can have geometry only'
+    character(task_length), allocatable :: tasks(:)
+    character(:), allocatable :: words
+    integer :: i
+
+    call list_task_names(tasks)
+    do i = 1, size(tasks)
+      if (tasks(i) == 'geometry') call state('helix_angle_deg = 15', 'geometry', '')
+      if (tasks(i) /= 'geometry') call state('helix_angle_deg = 15', trim(tasks(i)), &
+        '&pair helix_angle_deg = 15: the task '//trim(tasks(i))//only)
+    end do
+    call state('helix_angle_deg = 15 pinion_hand = ''left''', 'geometry', '')
+    call find_slip('helix_angle_deg', 'deg', [0.35_dp], words)
+    call check_equal(t, 'radians', words, '0.35 is unusual: 1 deg or more is usual; if 0.35 rad is meant, write 20.0535')
+    call state('helix_angle_deg = 90', 'geometry', '&pair helix_angle_deg = 90: must be at least 0 and at most 35')
+    call state('helix_angle_deg = -15', 'geometry', '&pair helix_angle_deg = -15: must be at least 0 and at most 35')
+    call state('helix_angle_deg = 15 coast_angle_deg = 25', 'geometry', &
+               '&pair coast_angle_deg = 25: helical gears have equal pressure angles; remove it')
+    call state('helix_angle_deg = 15 pinion_hand = ''up''', 'geometry', &
+               '&pair pinion_hand = ''up'': must be one of ''right'', ''left''')
+    call state('helix_angle_deg = 0 pinion_hand = ''left''', 'geometry', &
+               '&pair pinion_hand = ''left'': is for helical gears, helix_angle_deg; remove it')
+    call state('pinion_hand = ''right''', 'geometry', &
+               '&pair pinion_hand = ''right'': is for helical gears, helix_angle_deg; remove it')
+
+  contains
+
+    subroutine state(pair, task, message)
+      character(*), intent(in) :: pair           !< keys of this group
+      character(*), intent(in) :: task
+      character(*), intent(in) :: message        !< empty: accepted
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case('&case tasks = '''//task//''' / &pair module_mm = 3 face_width_mm = 20 '//pair// &
+                     ' / &pinion teeth = 21 / &gear teeth = 34 / ', case, error)
+      if (len(message) > 0) call check_error(t, task//' '//pair, error, message)
+      if (len(message) == 0) call check_no_error(t, task//' '//pair, error)
+    end subroutine state
+  end subroutine helical
 
   !> Words that users of other gear software search for have an entry, and each key that an entry names exists.
   subroutine glossary(t)
@@ -435,7 +480,7 @@ contains
     call slip(pair, '&material density_kgm3 = 7.85e-9 /', &
               'must be at least 1 and at most 100000; if 7.85e-9 t/mm^3 is meant, write 7850')
     call slip(pair, '&material young_gpa = 206000 /', 'if 206000 MPa is meant, write 206')
-    call slip('helix_angle_deg = 15', '', '&pair helix_angle_deg = 15: unknown key: the gears are spur gears, without a helix')
+    call slip('helix_angle = 15', '', '&pair helix_angle = 15: unknown key (did you mean helix_angle_deg?)')
     call slip('diametral_pitch = 8', '', 'unknown key: module_mm = 25.4/(diametral pitch)')
     call slip('module_mm = 3,18 face_width_mm = 20', '', &
               '&pair module_mm = 3, 18: must be a single number; decimals take a point')
