@@ -56,8 +56,17 @@ contains
   elemental real(dp) function reference_radius(spec) result(radius)
     type(gear_spec_t), intent(in) :: spec
 
-    radius = spec%teeth*spec%module/2/cos(spec%helix_angle)
+    radius = spec%teeth*spec%module/2*transverse_factor(spec)
   end function reference_radius
+
+  !> Length along the pitch line in the transverse section over that in the normal section, 1/cos(beta); without the cosine for
+  !> spur gears.
+  elemental real(dp) function transverse_factor(spec)
+    type(gear_spec_t), intent(in) :: spec
+
+    transverse_factor = 1
+    if (abs(spec%helix_angle) > 0) transverse_factor = 1/cos(spec%helix_angle)
+  end function transverse_factor
 
   !> Generating profile shift coefficient x_E: with the tooth-thickness allowance A_s on the reference circle,
   !> x_E = x + A_s/(2 m tan(alpha)) (ISO 21771:2007, section 8); unequal flanks share it by their tangents.
@@ -125,7 +134,7 @@ contains
     integer, intent(in) :: side
 
     associate (angle => transverse_angle(spec%pressure_angle(side), spec%helix_angle))
-      shift = straight_depth(spec, side) - spec%teeth/cos(spec%helix_angle)*sin(angle)**2/2 - spec%thinning
+      shift = straight_depth(spec, side) - spec%teeth*transverse_factor(spec)*sin(angle)**2/2 - spec%thinning
     end associate
   end function least_shift
 
@@ -152,7 +161,7 @@ contains
 
     associate (angle => spec%pressure_angle(side))
       corner_place = spec%module*(pi/4 + (spec%dedendum - spec%rack_tip_radius(side))*tan(angle) &
-                                  + (spec%rack_tip_radius(side) - fillet_undercut(spec))/cos(angle))/cos(spec%helix_angle)
+                                  + (spec%rack_tip_radius(side) - fillet_undercut(spec))/cos(angle))*transverse_factor(spec)
     end associate
   end function corner_place
 
@@ -180,11 +189,13 @@ contains
     integer, intent(in) :: side
     real(dp), intent(in) :: least, tangent
     type(bracket_t) :: beta
+    real(dp) :: place, radius
 
     beta = bracket_t(least, pi/2)
+    place = corner_place(spec, side)
+    radius = reference_radius(spec)
     do while (beta%is_open())
-      call beta%halve(beta%middle() + (rolled(spec, side, beta%middle()) - corner_place(spec, side))/reference_radius(spec) &
-                      < tangent)
+      call beta%halve(beta%middle() + (rolled(spec, side, beta%middle()) - place)/radius < tangent)
     end do
     trochoid_parameter = beta%middle()
   end function trochoid_parameter
@@ -214,7 +225,7 @@ contains
     real(dp) :: normal_beta
 
     normal_beta = beta
-    if (abs(spec%helix_angle) > 0) normal_beta = atan2(sin(beta)*cos(spec%helix_angle), cos(beta))
-    corner = spec%rack_tip_radius(side)*spec%module*[cos(normal_beta)/cos(spec%helix_angle), sin(normal_beta)]
+    if (abs(spec%helix_angle) > 0) normal_beta = atan2(sin(beta), cos(beta)*transverse_factor(spec))
+    corner = spec%rack_tip_radius(side)*spec%module*[cos(normal_beta)*transverse_factor(spec), sin(normal_beta)]
   end function rounding
 end module gearsweep_gear_rack
