@@ -8,11 +8,11 @@ module gearsweep_motion_contact_events
   use gearsweep_motion_coefficients, only: need_law
   use gearsweep_motion_contact_set, only: in_contact, period_t, record_contact, set_contact
   use gearsweep_motion_gauss, only: batch_size
-  use gearsweep_motion_integrator, only: derivatives, enter_step, event_t, integrator_t, last, load_over, may_have_more, &
-    motion_over_sub_step, move_end, need_curves, raise_peak, range_of_motion, sub_steps_t, sum_contacts, take_sub_step
+  use gearsweep_motion_integrator, only: derivatives, enter_step, integrator_t, load_over, may_have_more, motion_over_sub_step, &
+    move_end, need_curves, raise_peak, range_of_motion, sum_contacts, take_sub_step
   use gearsweep_motion_load_peaks, only: load_over_step, may_exceed, motion_over_step, raise_to_maximum
   use gearsweep_motion_oscillator, only: damping, resolving_steps, touches_coast
-  use gearsweep_motion_period_map, only: period_map_t
+  use gearsweep_motion_period_map, only: event_t, last, period_map_t, sub_steps_t
   use gearsweep_motion_trace, only: overlaps_t, record, trace_t, watch_contact
   implicit none
   private
@@ -177,6 +177,7 @@ contains
     type(trace_t), intent(inout), optional :: trace    !< trace of the first motion
     integer :: l
 
+    if (.not. allocated(state%sub_steps)) call move_alloc(map%sub_steps, state%sub_steps)
     if (.not. allocated(state%sub_steps)) allocate (state%sub_steps)
     call begin_step(map, step, state)
     do

@@ -11,21 +11,11 @@ module gearsweep_motion_integrator
   use gearsweep_motion_gauss, only: batch_size, collocate, nodes
   use gearsweep_motion_load_peaks, only: candidates_t, may_exceed, raise_to_maximum
   use gearsweep_motion_oscillator, only: acceleration, damping, oscillator_t
-  use gearsweep_motion_period_map, only: period_map_t
+  use gearsweep_motion_period_map, only: last, law_curves_t, period_map_t, places, sub_steps_t
   implicit none
   private
-  public :: derivatives, load_over, raise_peak, may_have_more, change_t, raise_peaks, sub_steps_t, event_t, enter_step, &
-            need_curves, take_sub_step, move_end, sum_contacts, range_of_motion, motion_over_sub_step, last, integrator_t, &
-            watch_dte
-
-  type :: law_curves_t
-    integer :: contact_set = -1
-    integer :: pairs = 0                         !< number of pairs of the step
-    real(dp), dimension(0:5) :: omega_squared, forcing         !< sums of k (1/s^2) and k e (m/s^2) over the contacts
-    !> Effective stiffness (N/m) and touching deflection (m), with upper bounds, or lower and upper bounds; (0:5, contact),
-    !> (contact) and (least or most, contact).
-    real(dp), allocatable :: effective(:, :), touching(:, :), most_effective(:), touching_bounds(:, :)
-  end type law_curves_t
+  public :: derivatives, load_over, raise_peak, may_have_more, change_t, raise_peaks, enter_step, need_curves, &
+            take_sub_step, move_end, sum_contacts, range_of_motion, motion_over_sub_step, integrator_t, watch_dte
 
   !> Change of contact of several speeds in one step. Places run from 0 to 1 over the step, and v is the derivative of x over it
   !> (m).
@@ -39,39 +29,6 @@ module gearsweep_motion_integrator
     real(dp), dimension(batch_size) :: last_x, last_v                    !< state at the end of the step
     real(dp) :: propagator(batch_size, 4)        !< propagator of x and v
   end type change_t
-
-  !> Places in a sub-step with known coefficients: both ends, and the nodes of the integration between.
-  real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
-  integer, parameter :: last = size(places)
-
-  !> Search for changes of contact (events) of one speed in its step.
-  type :: event_t
-    logical :: active = .false.
-    logical :: found = .false.                   !< true: the contact changes in this step
-    integer :: contact = 0                       !< contact whose event is bracketed; 0: none detected
-    integer :: trials = 0, events = 0
-    real(dp) :: length = 1                       !< length of the sub-step in which it was detected, part of the step
-    real(dp) :: part = 1, low = 0, high = 1      !< estimate and bracket of the event, parts of this length
-    logical :: jumps = .false.                   !< true: contact has just changed
-    real(dp) :: before = 0                       !< omega^2 before the change, 1/s^2
-    real(dp) :: ratio = 0                        !< y over the speed of approach
-    real(dp) :: propagator(4) = [1, 0, 0, 1]     !< propagator of the sub-steps so far, columns one after the other
-  end type event_t
-
-  !> Sub-steps of a batch; places run from 0 to 1 over the step.
-  type :: sub_steps_t
-    integer :: step = 0
-    !> Laws of the contact sets met in the step, and the index of the law of each speed.
-    type(law_curves_t) :: curves(2*batch_size)
-    integer :: curve(batch_size) = 0
-    real(dp), dimension(batch_size) :: longest = 1                     !< longest sub-step allowed, part of the step
-    type(event_t) :: event(batch_size)
-    real(dp), dimension(batch_size) :: left = 0, width = 0             !< start and length of the sub-step
-    !> omega^2 (1/s^2) and sum of k e (m/s^2) of the contacts; (speed, place)
-    real(dp), dimension(batch_size, last) :: omega_squared = 0, forcing = 0
-    real(dp), dimension(batch_size, 2) :: x = 0, y = 0                 !< state at both ends, m
-    real(dp) :: propagator(batch_size, 6) = 0
-  end type sub_steps_t
 
   !> State of the integration. Second index of x and y: `from` for the start of the step and `to` for its end; they swap after it.
   type :: integrator_t

@@ -145,6 +145,7 @@ contains
       end do
       state%noted = 0
     end do
+    if (allocated(state%sub_steps)) call move_alloc(state%sub_steps, map%sub_steps)
     if (state%all_full) state%monodromy = map%monodromy
     if (state%all_full) state%shrunk = map%shrunk
     do l = 1, map%speeds
