@@ -101,4 +101,5 @@ def main():
     report.save()
 
 
-main()
+if __name__ == '__main__':
+    main()
