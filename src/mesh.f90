@@ -15,7 +15,7 @@ module gearsweep_mesh
   use gearsweep_mesh_sharing, only: balance_t, contact_intervals, load_share, segment_t, share_load, sharing_t, smooth_segments, &
     solve_equilibrium_at, transmission_error
   ! Smooth intervals of a mesh over its period, and the profile error of a prescribed mesh from a table.
-  use gearsweep_mesh_smooth_intervals, only: profile_table, repeat_intervals, smooth_intervals
+  use gearsweep_mesh_smooth_intervals, only: intervals_of_period, profile_table, repeat_intervals, set_period, smooth_intervals
   ! Stiffness K(s) of one pair of teeth along the path of contact, full face width, in N/m.
   use gearsweep_mesh_stiffness, only: gear_blank_factor, iso_options_t, iso_stiffness, polynomial_stiffness, table_stiffness, &
     weber_stiffness

@@ -8,15 +8,24 @@ module gearsweep_mesh_smooth_intervals
   use gearsweep_mesh_mesh, only: mesh_t
   implicit none
   private
-  public :: smooth_intervals, repeat_intervals, profile_table
+  public :: smooth_intervals, intervals_of_period, repeat_intervals, set_period, profile_table
 
   character(*), parameter :: table = 'profile error table: '
 
 contains
 
-  !> Splits the period where a pair enters or leaves, where a relief begins, with friction at the pitch point and, if contact
-  !> extends beyond A and E, where the stiffness has a kink, as it may at A and E.
+  !> Intervals of all mesh periods after which the deviations repeat.
   pure function smooth_intervals(mesh, friction) result(intervals)
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: friction
+    type(interval_t), allocatable :: intervals(:)
+
+    intervals = repeat_intervals(mesh, intervals_of_period(mesh, friction))
+  end function smooth_intervals
+
+  !> Splits a mesh period where a pair enters or leaves, where a relief begins, with friction at the pitch point and, if contact
+  !> extends beyond A and E, where the stiffness has a kink, as it may at A and E.
+  pure function intervals_of_period(mesh, friction) result(intervals)
     type(mesh_t), intent(in) :: mesh
     logical, intent(in) :: friction
     type(interval_t), allocatable :: intervals(:)
@@ -40,33 +49,46 @@ contains
       intervals(i)%last = breaks(i + 1)
       call list_pairs(mesh, (breaks(i) + breaks(i + 1))/2, profile_breaks, stiffness_breaks, intervals(i))
     end do
-    if (mesh%deviations%any()) intervals = repeat_intervals(mesh, intervals)
-  end function smooth_intervals
+    call set_period(mesh, 0, intervals)
+  end function intervals_of_period
 
   !> Intervals of all mesh periods after which the deviations repeat, with the deviations of their pairs.
   pure function repeat_intervals(mesh, intervals) result(all_intervals)
     type(mesh_t), intent(in) :: mesh
     type(interval_t), intent(in) :: intervals(:)           !< intervals of one mesh period
     type(interval_t), allocatable :: all_intervals(:)
-    real(dp), allocatable :: c(:)
-    integer :: i, j, k
+    integer :: k, n
 
-    allocate (all_intervals(size(intervals)*mesh%deviations%periods))
-    do k = 1, size(all_intervals)
-      i = 1 + modulo(k - 1, size(intervals))
-      associate (interval => all_intervals(k))
-        interval = intervals(i)
-        interval%period = (k - 1)/size(intervals)
-        interval%coast = [(mesh%deviations%coast_of_pair(interval%period - (j + interval%offset - 1)), j=1, interval%pairs)]
+    n = size(intervals)
+    allocate (all_intervals(n*mesh%deviations%periods))
+    do k = 0, mesh%deviations%periods - 1
+      all_intervals(k*n + 1:(k + 1)*n) = intervals
+      call set_period(mesh, k, all_intervals(k*n + 1:(k + 1)*n))
+    end do
+  end function repeat_intervals
+
+  !> Fills in the deviations of the pairs in one of the mesh periods after which they repeat.
+  pure subroutine set_period(mesh, period, intervals)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: period                !< index from 0
+    type(interval_t), intent(inout) :: intervals(:)        !< intervals of one mesh period
+    real(dp), allocatable :: c(:)
+    integer :: i, j
+
+    if (.not. mesh%deviations%any()) return
+    do i = 1, size(intervals)
+      associate (interval => intervals(i))
+        interval%period = period
+        interval%coast = [(mesh%deviations%coast_of_pair(period - (j + interval%offset - 1)), j=1, interval%pairs)]
         do j = 1, interval%pairs
-          c = mesh%deviations%of_pair(interval%period - (j + interval%offset - 1), mesh%contact_ratio, &
+          c = mesh%deviations%of_pair(period - (j + interval%offset - 1), mesh%contact_ratio, &
                                       interval%place((interval%first + interval%last)/2, j))
-          if (j == 1) allocate (interval%deviation(0:size(c) - 1, interval%pairs))
+          if (.not. allocated(interval%deviation)) allocate (interval%deviation(0:size(c) - 1, interval%pairs))
           interval%deviation(:, j) = c
         end do
       end associate
     end do
-  end function repeat_intervals
+  end subroutine set_period
 
   !> Lists the pairs that may be in contact at the middle of an interval, and so in all of it.
   pure subroutine list_pairs(mesh, middle, profile_breaks, stiffness_breaks, interval)

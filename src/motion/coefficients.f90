@@ -10,7 +10,7 @@
 !> contact reaches beyond A and E, those that carry the static load.
 module gearsweep_motion_coefficients
   use gearsweep_base, only: dp, has_memory
-  use gearsweep_mesh, only: interval_t
+  use gearsweep_mesh, only: interval_t, set_period
   use gearsweep_motion_contact_law, only: find_law, find_law_values, find_response, find_touching, product_of, shared_t
   use gearsweep_motion_gauss, only: nodes, stiff_nodes
   use gearsweep_motion_oscillator, only: mobility, oscillator_t, touches_coast
@@ -228,14 +228,14 @@ contains
   !> Fills in the profile errors of one of the mesh periods after which the deviations repeat, and what follows from them: the
   !> laws of full contact, and the bounds. The other laws follow as they are needed.
   pure subroutine enter_period(osc, period, table)
-    type(oscillator_t), intent(in) :: osc
+    type(oscillator_t), intent(inout) :: osc     !< oscillator whose intervals enter the mesh period too
     integer, intent(in) :: period                !< index from 0
     type(coefficients_t), intent(inout) :: table
     integer :: i
 
     if (period == table%period) return
-    table%interval = table%interval + (period - table%period)*(size(osc%intervals)/table%periods)
     table%period = period
+    call set_period(osc%mesh, period, osc%intervals)
     call add_deviations(osc, table)
     do i = 1, table%steps
       call renew_law(osc, i, i, table)

@@ -12,7 +12,8 @@
 module gearsweep_motion_oscillator
   use gearsweep_base, only: code_input, dp, error_t, fail, pi, str
   use gearsweep_elastic, only: flattening_t
-  use gearsweep_mesh, only: balance_t, contact_intervals, deviations_t, interval_t, mesh_t, repeat_intervals, smooth_intervals
+  use gearsweep_mesh, only: balance_t, contact_intervals, deviations_t, interval_t, intervals_of_period, mesh_t, &
+    repeat_intervals, set_period
   use gearsweep_motion_contact_law, only: find_closed, find_law_values, springs_at, springs_t
   implicit none
   private
@@ -40,8 +41,8 @@ module gearsweep_motion_oscillator
     real(dp) :: highest_frequency = 0  !< upper bound of omega over the period, rad/s
     real(dp) :: static_deflection = 0  !< load over mean stiffness, m: the unit of residuals
     real(dp) :: mean_deflection = 0    !< deflection whose mean load over the period is the static one, m
-    !> Smooth intervals: no coefficient has a break within. Where teeth deviate, the same intervals for each mesh period after which
-    !> the deviations repeat, one period after the other.
+    !> Smooth intervals of a mesh period: no coefficient has a break within. Where teeth deviate, with the deviations of the first
+    !> mesh period, or of that of `set_period`.
     type(interval_t), allocatable :: intervals(:)
     logical :: by_load = .false.       !< intervals also end where pairs begin and cease to carry the static load
     !> Lowest and highest omega of each interval of a mesh period, rad/s; (2, interval)
@@ -75,7 +76,7 @@ contains
     if (osc%by_load) then
       osc%intervals = rest_intervals(osc)
     else
-      osc%intervals = smooth_intervals(osc%mesh, osc%friction > 0)
+      osc%intervals = intervals_of_period(osc%mesh, osc%friction > 0)
     end if
     osc%pairs = maxval(osc%intervals%pairs)
     osc%coasts = merge(1, 0, osc%has_backlash)
@@ -122,7 +123,7 @@ contains
     mesh%flattening = flattening_t()
     mesh%deviations = deviations_t()
     intervals = contact_intervals(mesh, balance_t(osc%load, osc%friction, osc%mass))
-    if (osc%mesh%deviations%any()) intervals = repeat_intervals(osc%mesh, intervals)
+    call set_period(osc%mesh, 0, intervals)
   end function rest_intervals
 
   !> Deflection (m) at which the pairs' mean load over the period, with relief, is the static one: at high speed the motion tends
@@ -130,15 +131,18 @@ contains
   pure real(dp) function mean_deflection(osc) result(x)
     type(oscillator_t), intent(in) :: osc
     integer, parameter :: most = 100
-    type(springs_t) :: springs(size(osc%intervals))
+    type(interval_t), allocatable :: intervals(:)
+    type(springs_t), allocatable :: springs(:)
     real(dp), dimension(1, osc%pairs) :: effective, touching
     real(dp) :: load, slope
     integer :: contact_set, i, k, n, samples
 
     ! Samples of an interval: over the many mesh periods of a turn their errors cancel.
     samples = max(2, 32/osc%mesh%deviations%periods)
-    do i = 1, size(osc%intervals)
-      associate (interval => osc%intervals(i))
+    intervals = repeat_intervals(osc%mesh, osc%intervals)
+    allocate (springs(size(intervals)))
+    do i = 1, size(intervals)
+      associate (interval => intervals(i))
         call springs_at(osc%mesh, interval, interval%first + (interval%last - interval%first)* &
                         [(k - 0.5_dp, k=1, samples)]/samples, springs(i))
       end associate
@@ -147,9 +151,9 @@ contains
     do n = 1, most
       load = 0
       slope = 0
-      do i = 1, size(osc%intervals)
-        associate (p => osc%intervals(i)%pairs, &
-                   weight => (osc%intervals(i)%last - osc%intervals(i)%first)/(samples*osc%mesh%deviations%periods))
+      do i = 1, size(intervals)
+        associate (p => intervals(i)%pairs, &
+                   weight => (intervals(i)%last - intervals(i)%first)/(samples*osc%mesh%deviations%periods))
           do k = 1, samples
             call find_closed(springs(i)%kind, springs(i)%stiffness(k:k, :), springs(i)%profile_error(k:k, :), &
                              springs(i)%shared(k:k, :), x, contact_set, effective(:, :p), touching(:, :p))
@@ -167,7 +171,7 @@ contains
   pure function interval_frequencies(osc) result(frequency)
     type(oscillator_t), intent(in) :: osc
     integer, parameter :: samples = 17
-    real(dp) :: frequency(2, size(osc%intervals)/osc%mesh%deviations%periods)
+    real(dp) :: frequency(2, size(osc%intervals))
     type(springs_t) :: springs
     real(dp), dimension(samples) :: omega_squared, phase
     real(dp), dimension(samples, osc%pairs) :: effective, touching
