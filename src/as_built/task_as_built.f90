@@ -34,7 +34,7 @@ module gearsweep_as_built_task_as_built
   end type as_built_task_t
 
   character(*), parameter :: group = 'as_built'
-  real(dp), parameter :: interval_bytes = 4e3_dp  !< memory of a smooth interval, with its tables
+  real(dp), parameter :: interval_bytes = 8e3_dp  !< memory of a smooth interval, with its tables
 
 contains
 
