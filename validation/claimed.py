@@ -675,6 +675,22 @@ def quick_beyond():
     return [sum(int(row[0]) for row in rows), sum(int(row[2]) for row in rows), max(float(row[1]) for row in rows)]
 
 
+def hunting_price():
+    """Teeth, class, mesh periods, milliseconds of a point, tolerance, pairs of gears, speeds, reliefs and seconds: bench/measured/hunting.md."""
+    text = (REFERENCE.parents[1] / 'bench/measured/hunting.md').read_text(encoding='utf-8')
+    stated = re.search(r'(\d+)/(\d+) teeth of class (\d) .* (\d+) mesh periods, at (\d+) speeds .* tolerance (\S+),', text)
+    pinion, gear, grade, periods, speeds, tolerance = map(float, stated.groups())
+    points = [float(value) for value in re.findall(r'^\| \d+ \| (\d+) ms \|$', text, flags=re.MULTILINE)]
+    pairs, seconds = map(float, re.search(r'(\d+) pairs of gears, .*: (\d+) s of', text).groups())
+    return [pinion, gear, grade, periods, min(points), max(points), tolerance, pairs, speeds, len(points), seconds]
+
+
+def hunting_point():
+    """Teeth and milliseconds of a point: bench/measured/hunting.md."""
+    price = hunting_price()
+    return price[:2] + price[4:6]
+
+
 def names_of(material):
     """Digits of its common names, in the order of the source."""
     text = (REFERENCE.parents[1] / 'src/rating/gear_materials.f90').read_text(encoding='utf-8')
