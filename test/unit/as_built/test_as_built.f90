@@ -21,6 +21,7 @@ module test_as_built
   use gearsweep_study_results_report, only: failed_points, write_report
   use gearsweep_study_run_study, only: run_study
   use gearsweep_base_text, only: str
+  use gearsweep_base, only: sorted
   use gearsweep_gear_measures, only: find_tolerances, tolerances_t
   use gearsweep_motion_response, only: find_turn, turn_t
   use test_support_ask_by_name, only: answer_t, ask, refusal
@@ -76,6 +77,7 @@ contains
     if (t%wants('inspected')) call inspected(t)
     if (t%wants('inspected_again')) call inspected_again(t)
     if (t%wants('followed')) call followed(t)
+    if (t%wants('summarised')) call summarised(t)
     if (t%wants('each_turn')) call each_turn(t)
     if (t%wants('told_again')) call told_again(t)
     if (t%wants('unanswered')) call unanswered(t)
@@ -274,6 +276,7 @@ contains
     type(given_t), intent(in) :: given(:)
     type(answer_t) :: answer
     character(:), allocatable :: text
+    real(dp), allocatable :: load(:), place(:)
     integer :: i, k, worst(2)
 
     do i = 1, size(given)
@@ -287,6 +290,9 @@ contains
           call check_close(t, one%name//'pinion '// &
             'tooth', answer%one('as_built_worst.pinion_tooth'), real(worst(1), dp), absolute=0.1_dp)
           call check_close(t, one%name//'gear tooth', answer%one('as_built_worst.gear_tooth'), real(worst(2), dp), absolute=0.1_dp)
+          load = answer%all_of('as_built_loads.load_n')
+          place = answer%all_of('as_built_loads.s')
+          call check_close(t, one%name//'place of the largest load', answer%one('as_built_worst.s'), place(maxloc(load, 1)))
           call check_close(t, one%name//'range', answer%one('as_built.dte_peak_to_peak_um'), (one%largest - one%least), &
                            absolute=1e-6_dp)
           ! The other solver took samples at rest, which miss up to so much of a corner.
@@ -784,6 +790,14 @@ contains
     curvature(2) = pair%centre_distance*sin(pair%working_angle(1)) - curvature(1)
     expected = sqrt(force/0.02_dp*sum(1/curvature)/(pi*2*(1 - poisson**2)/young))/1e6_dp
     call check_close(t, 'Hertz pressure', answer%one('as_built_loads.pressure_mpa'), expected, 1e-9_dp)
+    ! Where teeth deviate, the largest stress of the turn is that of one of its pairs.
+    call ask(t, text(:index(text, '&deviations') - 1)//'&deviations pinion_class = 6 gear_class = 6 draws = 1 /', answer)
+    do i = 1, 2
+      column = answer%all_of('as_built_loads.'//trim(merge('pinion', 'gear  ', i == 1))//'_root_stress_mpa')
+      call check_true(t, 'pairs of a turn', size(column) == 21*34 .and. maxval(column) > minval(column) + 1)
+      call check_close(t, 'largest root stress of the pairs', &
+                       answer%one('as_built_worst.'//trim(merge('pinion', 'gear  ', i == 1))//'_root_stress_mpa'), maxval(column))
+    end do
   end subroutine stressed
 
   !> G5 with less damping, at another speed: its orbit over a turn repels with the modulus 3.696, and so do those over several turns
@@ -1066,6 +1080,33 @@ contains
     call check_close(t, 'best pair of gears', answer%one('as_built_summary.best_draw'), 1.0_dp + best/assemblies)
     call check_close(t, 'best assembly', answer%one('as_built_summary.best_assembly'), 1.0_dp + modulo(best, assemblies))
   end subroutine followed
+
+  !> The distribution in the summary is that of the largest dynamic factor of each pair of gears over the speeds, and its speed that
+  !> of the largest of all: order statistics of the points, the quantile between two of them in proportion.
+  subroutine summarised(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: draws = 5, speeds = 6
+    type(answer_t) :: answer
+    real(dp), allocatable :: rpm(:)
+    real(dp) :: factor(speeds, draws), largest(draws)
+    integer :: at(2)
+
+    call ask(t, '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 20 / '// &
+             '&gear teeth = 25 / &load torque_nm = 100 / &mesh model = ''iso6336'' / '// &
+             '&sweep rpm_first = 3000, rpm_last = 18000, rpm_step = 3000 / '// &
+             '&deviations pinion_class = 7, gear_class = 7, draws = '//str(draws)//' /', answer)
+    factor = reshape(answer%all_of('as_built.dynamic_factor'), [speeds, draws])
+    rpm = answer%all_of('as_built.rpm')
+    largest = sorted(maxval(factor, 1))
+    at = maxloc(factor)
+    call check_close(t, 'speed of the largest', answer%one('as_built_summary.rpm'), rpm(at(1)))
+    call check_close(t, 'draw of the largest', answer%one('as_built_summary.worst_draw'), real(at(2), dp))
+    call check_close(t, 'least', answer%one('as_built_summary.least_factor'), largest(1))
+    call check_close(t, 'median', answer%one('as_built_summary.median_factor'), largest(3))
+    call check_close(t, '95th percentile', answer%one('as_built_summary.quantile_95_factor'), 0.2_dp*largest(4) + 0.8_dp*largest(5))
+    call check_close(t, 'largest', answer%one('as_built_summary.largest_factor'), largest(5))
+    call check_true(t, 'speeds differ', any(abs(answer%all_of('as_built_worst.rpm') - rpm(at(1))) > 1))
+  end subroutine summarised
 
   !> Turns at two speeds have the rows of either speed alone.
   subroutine each_turn(t)
