@@ -77,7 +77,6 @@ contains
     if (t%wants('inspected')) call inspected(t)
     if (t%wants('inspected_again')) call inspected_again(t)
     if (t%wants('followed')) call followed(t)
-    if (t%wants('summarised')) call summarised(t)
     if (t%wants('each_turn')) call each_turn(t)
     if (t%wants('told_again')) call told_again(t)
     if (t%wants('unanswered')) call unanswered(t)
@@ -1079,6 +1078,7 @@ contains
     call check_close(t, 'worst assembly', answer%one('as_built_summary.worst_assembly'), 1.0_dp + modulo(worst, assemblies))
     call check_close(t, 'best pair of gears', answer%one('as_built_summary.best_draw'), 1.0_dp + best/assemblies)
     call check_close(t, 'best assembly', answer%one('as_built_summary.best_assembly'), 1.0_dp + modulo(best, assemblies))
+    call summarised(t)
   end subroutine followed
 
   !> The distribution in the summary is that of the largest dynamic factor of each pair of gears over the speeds, and its speed that
