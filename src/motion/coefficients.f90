@@ -1,8 +1,7 @@
 !> Coefficients of the equation of motion over one mesh period, step by step; they do not depend on the speed.
 !>
-!> Where teeth deviate, the table serves all mesh periods after which the deviations repeat: steps, stiffness and the response of
-!> the contact sets are the same in each, and `enter_period` fills in the profile errors of one, in which the contact laws are
-!> linear.
+!> Teeth that deviate change the profile errors from one mesh period to the next, and nothing else: steps, stiffness and response
+!> of a contact set serve all periods. `enter_period` fills in the profile errors of one; the contact laws are linear in them.
 !>
 !> The steps end at every break, so that the coefficients are smooth within a step. A contact is a pair that may be in contact or,
 !> after these and only with backlash, the coast sides: all together or, where teeth have position errors, those next to each
@@ -33,7 +32,6 @@ module gearsweep_motion_coefficients
   !> pairs, and the contact laws (gearsweep_motion_contact_law) that follow. Derivatives are over the mesh phase.
   type :: coefficients_t
     integer :: steps = 0               !< steps of the mesh period; 0: memory is too small for them
-    integer :: periods = 1             !< mesh periods after which the deviations of the teeth repeat
     integer :: period = 0              !< index from 0 of the one whose profile errors the table holds
     integer :: contacts = 0            !< largest number of pairs, plus the coast sides
     integer, allocatable :: interval(:)    !< smooth interval of a step; (step)
@@ -346,7 +344,6 @@ contains
     end if
     call allocate_table(osc, sum(counts), table)
     if (table%steps == 0) return
-    table%periods = osc%mesh%deviations%periods
     table%period = 0
     last = 0
     do i = 1, n
@@ -514,7 +511,7 @@ contains
     ! Size for as many pairs as a contact set can hold: heap memory for each law would take longer than the arithmetic.
     real(dp), dimension(3, bit_size(contact_set)) :: effective
     real(dp) :: share(0:0, table%pairs(step), table%pairs(step))
-    integer :: end, j, node
+    integer :: begin, end, j, node
 
     associate (p => table%pairs(step))
       table%contact_set(law) = contact_set
@@ -533,12 +530,14 @@ contains
         end if
         table%omega_squared(1:3, law) = table%omega_squared(1:3, law) + effective(:, j)
       end do
+      begin = 1
       if (continues(table, step, law)) then
+        begin = 2
         table%effective(:, :p, 1, law) = table%effective(:, :p, 2, law - 1)
         table%share(:, :, :, 1, law) = table%share(:, :, :, 2, law - 1)
         table%end_omega_squared(:, 1, law) = table%end_omega_squared(:, 2, law - 1)
       end if
-      do end = merge(2, 1, continues(table, step, law)), 2
+      do end = begin, 2
         if (kind%any) then
           call find_response(contact_set, kind, table%end_stiffness(:, :p, end, step), table%end_shared(:, :, end, step), &
                              table%effective(:, :p, end, law), table%share(:, :p, :p, end, law))
@@ -585,18 +584,20 @@ contains
     integer, intent(in) :: step, law
     type(coefficients_t), intent(inout) :: table
     real(dp) :: k(0:2), forcing(0:2)
-    integer :: end, j
+    integer :: begin, end, j
 
     associate (p => table%pairs(step))
       table%forcing(1:3, law) = 0
       do j = 1, p
         table%forcing(1:3, law) = table%forcing(1:3, law) + table%weight(1:3, j, law)*table%profile_error(1:3, j, step)
       end do
+      begin = 1
       if (continues(table, step, law)) then
+        begin = 2
         table%touching(:, :p, 1, law) = table%touching(:, :p, 2, law - 1)
         table%end_forcing(:, 1, law) = table%end_forcing(:, 2, law - 1)
       end if
-      do end = merge(2, 1, continues(table, step, law)), 2
+      do end = begin, 2
         if (osc%shared > 0) then
           call find_touching(table%share(:, :p, :p, end, law), table%end_profile_error(:, :p, end, step), &
                              table%touching(:, :p, end, law))

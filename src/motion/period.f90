@@ -47,7 +47,7 @@ contains
     y(:map%speeds, from) = start(2, :)
     call begin_monodromy(map%mesh_monodromy, map%mesh_shrunk)
     call begin_monodromy(map%monodromy, map%shrunk)
-    do k = 0, map%table%periods - 1
+    do k = 0, map%osc%mesh%deviations%periods - 1
       call enter(map, k)
       do i = 1, map%table%steps
         if (is_cut(map, i)) exit
@@ -120,7 +120,7 @@ contains
 
     call begin(map, start, active, peaks, state)
     state%crosses = has_simple_steps(map)
-    do k = 0, map%table%periods - 1
+    do k = 0, map%osc%mesh%deviations%periods - 1
       call enter(map, k)
       do i = 1, map%table%steps
         if (map%table%kind(i)%begins) call enter_interval(map, i, state, period)
@@ -244,7 +244,7 @@ contains
 
     if (state%all_full .and. .not. state%full_contact) call leave(map, step, state)
     place = step
-    if (.not. state%all_full .or. map%table%periods > 1) call need_propagator(map, step, state%contact_set, place)
+    if (.not. state%all_full .or. map%osc%mesh%deviations%periods > 1) call need_propagator(map, step, state%contact_set, place)
     call take_step(map%propagator(:, :, place), state%x(:, state%from), state%y(:, state%from), state%x(:, state%to), &
                    state%y(:, state%to))
     state%changes = .false.

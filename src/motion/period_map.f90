@@ -113,7 +113,7 @@ contains
     if (resolution%scheme == scheme_collocation) then
       if (allocated(map%literature)) deallocate (map%literature)
       call tabulate(map%osc, resolution, map%table)
-      map%steps = map%table%steps*map%table%periods
+      map%steps = map%table%steps*map%osc%mesh%deviations%periods
     else
       if (.not. allocated(map%literature)) allocate (map%literature)
       call tabulate_literature(osc, resolution, map%literature)

@@ -25,12 +25,12 @@ module gearsweep_motion_resolution
     scheme_rk4_equal = 2, &            !< classical Runge-Kutta in equal steps (Dogan et al. 2021)
     scheme_constant = 3                !< exact motion over equal steps with constant coefficients (Karpat et al. 2012)
 
-  !> Method and fineness of the steps: each smooth interval has `times` steps for each of its shares of `base` steps, at least one
-  !> share. The steps of a larger `times` nest in those of the same base.
+  !> Method and number of the steps. A smooth interval is divided into parts by `base`, each part into `times` equal steps: the
+  !> steps of a multiple of `times` nest in those of the same base.
   type :: resolution_t
-    real(dp) :: base = 0               !< steps of a period; where graded, of a radian of the natural motion after a break
-    integer :: times = 1
-    real(dp) :: graded_for = 0         !< duration of the mesh period for which the steps grow after breaks, s; 0: equal steps
+    real(dp) :: base = 0               !< parts of a mesh period; graded: parts of a radian of the natural motion after a break
+    integer :: times = 1               !< steps of a part
+    real(dp) :: graded_for = 0         !< duration of the mesh period for which parts grow after a break, s; 0: parts are equal
     integer :: scheme = scheme_collocation
     logical :: by_load = .false.       !< smooth intervals also end where pairs begin and cease to carry the static load
   end type resolution_t
@@ -126,8 +126,8 @@ contains
     next_width = 1/sum(grading%dense*exp(-grading%fade*t))
   end function next_width
 
-  !> Number of steps of a smooth interval of this length (mesh phase): `times` for each of its shares of `base` steps, at least
-  !> one share. So all steps are halved from one resolution to the next, and the error of each shows in the difference.
+  !> Number of steps of a smooth interval of this length (mesh phase), of one part at least. Twice the `times` halves every step,
+  !> so that the difference of two resolutions shows the error of each.
   elemental integer function equal_steps(length, resolution) result(steps)
     real(dp), intent(in) :: length
     type(resolution_t), intent(in) :: resolution

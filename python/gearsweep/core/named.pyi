@@ -35,13 +35,13 @@ class GeometryTable(Table):
     base_pitch_mm: float
     """mm: of the drive flanks"""
     transverse_module_mm: float
-    """mm: of helical gears: module in the transverse section"""
+    """mm: module of helical gears in the transverse section"""
     transverse_angle_deg: float
-    """deg: of helical gears: pressure angle in the transverse section"""
+    """deg: pressure angle of helical gears in the transverse section"""
     overlap_ratio: float
-    """of helical gears: face width over axial pitch"""
+    """overlap ratio of helical gears: face width over axial pitch"""
     total_contact_ratio: float
-    """of helical gears: contact ratio and overlap ratio together"""
+    """total contact ratio of helical gears: contact ratio plus overlap ratio"""
 
 class GearsTable(Table):
     """the two gears"""
@@ -91,9 +91,9 @@ class GearsTable(Table):
     over_pins_mm: NDArray[float64]
     """mm: diameter over pins M_dK"""
     helix_angle_deg: NDArray[float64]
-    """deg: of helical gears: on the reference circle, positive: right-handed"""
+    """deg: helix angle of helical gears on the reference circle; positive: right-handed"""
     base_helix_angle_deg: NDArray[float64]
-    """deg: of helical gears: on the base circle, positive: right-handed"""
+    """deg: helix angle of helical gears on the base circle; positive: right-handed"""
 
 class ContactPointsTable(Table):
     """points of the path of contact: A start, B and D where another pair leaves and enters, P pitch point, E end"""

@@ -68,12 +68,13 @@ contains
                        [stages%pair%coast_contact_ratio])
         call table%add('base_pitch_mm', 'mm', 'of the drive flanks', [stages%pair%base_pitch])
         if (abs(spec%helix_angle) > 0) then
-          call table%add('transverse_module_mm', 'mm', 'of helical gears: module in the transverse section', &
+          call table%add('transverse_module_mm', 'mm', 'module of helical gears in the transverse section', &
                          [spec%module/cos(spec%helix_angle)])
-          call table%add('transverse_angle_deg', 'deg', 'of helical gears: pressure angle in the transverse section', &
+          call table%add('transverse_angle_deg', 'deg', 'pressure angle of helical gears in the transverse section', &
                          [stages%pair%gear(1)%transverse_angle(drive)])
-          call table%add('overlap_ratio', '', 'of helical gears: face width over axial pitch', [stages%pair%overlap_ratio])
-          call table%add('total_contact_ratio', '', 'of helical gears: contact ratio and overlap ratio together', &
+          call table%add('overlap_ratio', '', 'overlap ratio of helical gears: face width over axial pitch', &
+                         [stages%pair%overlap_ratio])
+          call table%add('total_contact_ratio', '', 'total contact ratio of helical gears: contact ratio plus overlap ratio', &
                          [stages%pair%contact_ratio + stages%pair%overlap_ratio])
         end if
       end associate
@@ -153,9 +154,9 @@ contains
     call table%add('pin_diameter_mm', 'mm', 'pins that the gear is measured over', measured(measures%pin_diameter))
     call table%add('over_pins_mm', 'mm', 'diameter over pins M_dK', measured(measures%over_pins))
     if (.not. any(abs(pair%gear%spec%helix_angle) > 0)) return
-    call table%add('helix_angle_deg', 'deg', 'of helical gears: on the reference circle, positive: right-handed', &
+    call table%add('helix_angle_deg', 'deg', 'helix angle of helical gears on the reference circle; positive: right-handed', &
                    [pair%gear%spec%helix_angle])
-    call table%add('base_helix_angle_deg', 'deg', 'of helical gears: on the base circle, positive: right-handed', &
+    call table%add('base_helix_angle_deg', 'deg', 'helix angle of helical gears on the base circle; positive: right-handed', &
                    [pair%gear%base_helix()])
   end subroutine fill_gears
 
