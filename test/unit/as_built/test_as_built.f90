@@ -663,9 +663,8 @@ contains
     end function change
   end subroutine marched
 
-  !> Pitch errors that repeat after 4 of 24 teeth: the motion repeats after 4 mesh periods, so that all orders of the turn vanish
-  !> but
-  !> each sixth. Pairs in full contact add up: the motion of two gears is the sum of those of each with a nominal one.
+  !> Pitch errors that repeat after 4 of 24 teeth: the motion repeats after 4 mesh periods, so that all orders of the turn but each
+  !> sixth vanish. Pairs in full contact add up: the motion of two gears is the sum of those of each with a nominal one.
   subroutine patterns(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: ratio = 1.4_dp, rpm = 7300
@@ -817,7 +816,62 @@ contains
     call find_turn(osc, 11000.0_dp, options, levels, turn)
     call check_true(t, 'an orbit that repels has no loads', .not. allocated(turn%load))
     call check_true(t, 'nor a result', .not. has_result(turn%point%steady%status), status_name(turn%point%steady%status))
+    call tiny_multiplier(t)
   end subroutine repelling
+
+  !> Multiplier of a mesh period, in closed form where the stiffness is constant by parts, beside that which the turn of 220
+  !> periods returns: over the whole turn it would be below the smallest number.
+  subroutine tiny_multiplier(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: ratio = 1.4_dp, zeta = 0.02_dp, stiffness = 3e8_dp, mass = 0.7_dp, rpm = 437.5_dp
+    integer, parameter :: teeth(2) = [20, 11]
+    type(oscillator_t) :: osc
+    type(error_t), allocatable :: error
+    type(accuracy_t) :: options
+    type(levels_t), allocatable :: levels
+    type(turn_t) :: turn
+    real(dp) :: pinion(0:0, 20), gear(0:0, 11), product(2, 2), part(2), half, expected
+    integer :: k
+
+    osc%mesh%contact_ratio = ratio
+    osc%mesh%reach = [0.0_dp, ratio]
+    osc%mesh%teeth = teeth
+    osc%mesh%stiffness = polynomial(0.0_dp, ratio, [stiffness])
+    osc%mesh%profile_error = polynomial(0.0_dp, ratio, [0.0_dp])
+    osc%mass = mass
+    osc%load = 60000
+    osc%damping_ratio = zeta
+    pinion(0, :) = [(modulo(7*k, 5)*0.2_dp*um, k=1, 20)]
+    gear(0, :) = [(modulo(3*k, 4)*0.2_dp*um, k=1, 11)]
+    osc%mesh%deviations = make_deviations(teeth, pinion, gear, [wave_t ::], 0)
+    call make_oscillator(osc, error)
+    call check_no_error(t, 'oscillator', error)
+    options%steady%tolerance = 1e-8_dp
+    allocate (levels)
+    call find_turn(osc, rpm, options, levels, turn)
+    part = [ratio - 1, 2 - ratio]*60/(rpm*teeth(1))
+    product = matmul(decayed(sqrt(2*stiffness/mass), part(2)), decayed(sqrt(4*stiffness/mass), part(1)))
+    half = (product(1, 1) + product(2, 2))/2
+    expected = sqrt(product(1, 1)*product(2, 2) - product(1, 2)*product(2, 1))
+    if (abs(half) > expected) expected = abs(half) + sqrt(half**2 - expected**2)
+    call check_true(t, 'a turn of many mesh periods in full contact', size(turn%load) == 220 .and. &
+                    .not. turn%point%steady%departs)
+    call check_true(t, 'below the smallest number over the turn', 220*log(expected) < log(tiny(expected)))
+    call check_close(t, 'multiplier of a mesh period in closed form', turn%point%steady%mesh_multiplier, expected, 1e-7_dp)
+
+  contains
+
+    !> Propagator of (x, x') over a time with constant coefficients.
+    pure function decayed(omega, time) result(matrix)
+      real(dp), intent(in) :: omega, time
+      real(dp) :: matrix(2, 2), damped, c, s
+
+      damped = omega*sqrt(1 - zeta**2)
+      c = cos(damped*time)
+      s = sin(damped*time)/damped
+      matrix = exp(-zeta*omega*time)*reshape([c + zeta*omega*s, -omega**2*s, s, c - zeta*omega*s], [2, 2])
+    end function decayed
+  end subroutine tiny_multiplier
 
   !> Tolerances of ISO 1328-1:2013 as printed in a table of the finding that this project keeps, for d 79.5, m 3.18, b 25.4 mm.
   subroutine classes(t)

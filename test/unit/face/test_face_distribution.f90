@@ -377,9 +377,11 @@ contains
     type(alignment_t) :: alignment
     type(error_t), allocatable :: error
     real(dp) :: load, module, least, most_sum, most_mirror
+    logical :: at_worst
     integer :: design, i, k, n
 
     options%section%elements_across = 8
+    at_worst = .true.
     least = huge(1.0_dp)
     most_sum = 0
     most_mirror = 0
@@ -404,6 +406,8 @@ contains
         call check_no_error(t, 'mirror', error)
         if (allocated(error)) cycle
         n = size(found%gap)
+        at_worst = at_worst .and. abs(maxval(found%factor, mask=abs(found%phase - found%worst_phase) < 1e-12_dp) - &
+                                      maxval(found%factor)) < 1e-12_dp
         least = min(least, found%mean_factor, found%worst_factor, found%single_factor, found%root_factor)
         do k = 1, size(found%phase)
           most_sum = max(most_sum, abs(sum(found%load_at(k)*(found%bounds(1:) - found%bounds(:n - 1)))/load - 1))
@@ -413,6 +417,7 @@ contains
       end do
     end do
     call check_true(t, 'K at least 1', least >= 1, str(least, 17))
+    call check_true(t, 'phase of the worst', at_worst)
     call check_close(t, 'sum of the loads', most_sum, 0.0_dp, absolute=1e-12_dp)
     call check_close(t, 'mirror image', most_mirror, 0.0_dp, absolute=1e-9_dp)
 
