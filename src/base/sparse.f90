@@ -72,13 +72,17 @@ module gearsweep_base_sparse
 
 contains
 
-  !> Begins a list of at most so many elements with `size` unknowns each.
-  pure subroutine begin(self, elements, size)
+  !> Begins a list of at most so many elements with `size` unknowns each, and of one with `larger` unknowns.
+  pure subroutine begin(self, elements, size, larger)
     class(elements_t), intent(inout) :: self
     integer, intent(in) :: elements, size
+    integer, intent(in), optional :: larger
+    integer :: more
 
-    allocate (self%first(elements + 1), source=1)
-    allocate (self%at(size*elements), self%values(size*(size + 1)/2*elements))
+    more = 0
+    if (present(larger)) more = larger
+    allocate (self%first(elements + 1 + min(1, more)), source=1)
+    allocate (self%at(size*elements + more), self%values(size*(size + 1)/2*elements + more*(more + 1)/2))
   end subroutine begin
 
   !> Adds an element's matrix: of its unknowns `list`, those that are not held (0), and the lower triangle. An element with all

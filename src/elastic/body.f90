@@ -4,6 +4,7 @@ module gearsweep_elastic_body
   use gearsweep_elastic_grid, only: grid_t
   use gearsweep_elastic_material, only: check_material, material_t
   use gearsweep_elastic_q8, only: element_mass, element_stiffness, nodes_per_element
+  use gearsweep_elastic_superelement, only: superelement_t
   implicit none
   private
   public :: body_t, make_body, elastic_law
@@ -19,6 +20,7 @@ module gearsweep_elastic_body
     integer, allocatable :: equation(:, :)       !< numbers of each node's two unknowns, 0 if held (2, nodes)
     integer :: unknowns = 0
     type(sparse_t) :: stiffness                  !< factored
+    type(superelement_t) :: rest                 !< other teeth of a complete gear; its forces and mass are not in the procedures
   contains
     procedure :: spread_out
     procedure :: gather
@@ -32,14 +34,15 @@ contains
   !> Factors the stiffness of `grid`; frees the previous content of `body`.
   !>
   !> `held(2, nodes)` is true where a displacement is zero; together they must exclude every rigid motion. `thickness` in m,
-  !> `most_bytes` for the factor.
-  subroutine make_body(grid, material, plane_strain, thickness, held, most_bytes, body, error)
+  !> `most_bytes` for the factor. `rest`: the teeth of a complete gear that the grid does not have.
+  subroutine make_body(grid, material, plane_strain, thickness, held, most_bytes, body, error, rest)
     type(grid_t), intent(in) :: grid
     type(material_t), intent(in) :: material
     logical, intent(in) :: plane_strain, held(:, :)
     real(dp), intent(in) :: thickness, most_bytes
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
+    type(superelement_t), intent(in), optional :: rest
     type(elements_t) :: matrices
     character(:), allocatable :: what
     real(dp) :: law(3)
@@ -57,6 +60,8 @@ contains
     body%thickness = thickness
     if (allocated(body%equation)) deallocate (body%equation)
     allocate (body%equation(2, size(held, 2)), source=0)
+    body%rest = superelement_t()
+    if (present(rest)) body%rest = rest
     body%unknowns = 0
     do n = 1, size(held, 2)
       do d = 1, 2
@@ -68,13 +73,16 @@ contains
     what = 'elements across a tooth: the grid with '//str(body%unknowns)//' unknowns'
     call claim_memory(size(grid%element, 2)*(8.0_dp*triangle + 4.0_dp*(2*nodes_per_element + 1)), what, error)
     if (allocated(error)) return
-    call matrices%begin(size(grid%element, 2), 2*nodes_per_element)
+    n = 0
+    if (body%rest%teeth > 0) n = size(body%rest%stiffness, 1)
+    call matrices%begin(size(grid%element, 2), 2*nodes_per_element, larger=n)
     law = thickness*elastic_law(material, plane_strain)
     do e = 1, size(grid%element, 2)
       associate (nodes => grid%element(:, e))
         call matrices%add(reshape(body%equation(:, nodes), [2*nodes_per_element]), element_stiffness(grid%x(:, nodes), law))
       end associate
     end do
+    if (n > 0) call matrices%add(reshape(body%equation(:, body%rest%node), [n]), body%rest%stiffness)
     call matrices%finish()
     call factor(body%unknowns, matrices%first, matrices%at, matrices%values, most_bytes, what, body%stiffness, error)
   end subroutine make_body

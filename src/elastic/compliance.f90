@@ -10,12 +10,13 @@
 module gearsweep_elastic_compliance
   use gearsweep_base, only: bracket_t, claim_memory, code_input, dp, error_t, fail, pi, piecewise_t, spline, str
   use gearsweep_gear, only: drive, gear_t
-  use gearsweep_elastic_body, only: body_t, make_body
+  use gearsweep_elastic_body, only: body_t, elastic_law, make_body
   use gearsweep_elastic_disc, only: disc_t
   use gearsweep_elastic_flattening, only: surface_to_depth
-  use gearsweep_elastic_material, only: fe_options_t, material_t
-  use gearsweep_elastic_q8, only: edge_functions, element_mass, nodes_per_element, shape_functions
-  use gearsweep_elastic_section, only: make_section, section_t
+  use gearsweep_elastic_material, only: check_material, fe_options_t, material_t, section_options_t
+  use gearsweep_elastic_q8, only: edge_functions, nodes_per_element, shape_functions
+  use gearsweep_elastic_section, only: make_section, section_t, select_near_teeth
+  use gearsweep_elastic_superelement, only: add_angular_momentum, make_superelement, superelement_t
   implicit none
   private
   public :: deflection_at_depth, load_line, flank_load, disc_compliance, turning, tooth_t, tooth_compliance
@@ -210,7 +211,7 @@ contains
       if (allocated(error)) return
     end do
     allocate (couple(body%unknowns), source=0.0_dp)
-    if (section%grid%closed) couple = section%gear%base_radius(drive)*turning(body)
+    if (is_complete(body)) couple = section%gear%base_radius(drive)*turning(body)
     call body%stiffness%solve(x, error)
     if (allocated(error)) return
     turn = body%thickness*[(dot_product(x(:, i), couple), i=1, places)]
@@ -243,22 +244,27 @@ contains
   pure function turning(body) result(weights)
     type(body_t), intent(in) :: body
     real(dp) :: weights(body%unknowns)
-    real(dp) :: share(2, size(body%grid%x, 2)), inertia
+    real(dp) :: momentum(2, size(body%grid%x, 2)), inertia
     integer :: e
 
-    share = 0
+    momentum = 0
     inertia = 0
     do e = 1, size(body%grid%element, 2)
-      associate (list => body%grid%element(:, e), x => body%grid%x(:, body%grid%element(:, e)))
-        associate (moment => matmul(x, element_mass(x)))
-          share(1, list) = share(1, list) - moment(2, :)
-          share(2, list) = share(2, list) + moment(1, :)
-          inertia = inertia + sum(moment*x)
-        end associate
-      end associate
+      call add_angular_momentum(body%grid%x(:, body%grid%element(:, e)), body%grid%element(:, e), momentum, inertia)
     end do
-    weights = body%gather(share)/inertia
+    if (body%rest%teeth > 0) then
+      momentum(:, body%rest%node) = momentum(:, body%rest%node) + body%rest%momentum
+      inertia = inertia + body%rest%inertia
+    end if
+    weights = body%gather(momentum)/inertia
   end function turning
+
+  !> True for the body of a complete gear.
+  pure logical function is_complete(body)
+    type(body_t), intent(in) :: body
+
+    is_complete = body%grid%closed .or. body%rest%teeth > 0
+  end function is_complete
 
   !> Computes the `tooth` of `gear` over the radius of curvature of its drive flank from `first` to that of its tip, `last` (m).
   !>
@@ -276,10 +282,7 @@ contains
     real(dp), dimension(max(4, options%positions)) :: curvature, radius, depth, near, far
     integer :: i, n
 
-    call make_section(gear, options%section, section, error)
-    if (allocated(error)) return
-    call make_body(section%grid, material, options%section%plane_strain, 1.0_dp, &
-                   spread(section%is_held(), 1, 2), options%section%most_memory, body, error)
+    call make_near_teeth(gear, material, options%section, section, body, error)
     if (allocated(error)) return
     ! Denser towards the tip, where the compliance rises steeply.
     n = size(curvature)
@@ -290,7 +293,7 @@ contains
     depth = ((options%depth*gear%spec%module)**(-8) + (0.35_dp*chord(gear, radius))**(-8))**(-0.125_dp)
     call deflection_at_depth(section, body, radius, depth, 2*depth, near, far, error)
     if (allocated(error)) return
-    if (section%grid%closed .or. options%tooth_coupling) call disc_compliance(section, body, first, last, tooth%disc, error)
+    if (is_complete(body) .or. options%tooth_coupling) call disc_compliance(section, body, first, last, tooth%disc, error)
     if (options%corner_contact .and. .not. allocated(error)) &
       call corner_compliance(section, body, radius(n), depth(n), tooth, error)
     if (allocated(error)) return
@@ -302,6 +305,31 @@ contains
     tooth%compliance = spline(curvature, 2*near - far - surface_to_depth(material, options%section%plane_strain, 1.0_dp, 1.0_dp) &
                                          - tooth%disc%turn)
   end subroutine tooth_compliance
+
+  !> Builds and factors the section of a tooth and its neighbours; of a complete gear, with the other teeth as a superelement.
+  subroutine make_near_teeth(gear, material, options, section, body, error)
+    type(gear_t), intent(in) :: gear
+    type(material_t), intent(in) :: material
+    type(section_options_t), intent(in) :: options
+    type(section_t), intent(out) :: section
+    type(body_t), intent(inout) :: body          !< one metre wide; its previous content is freed
+    type(error_t), allocatable, intent(out) :: error
+    type(section_options_t) :: near
+    type(superelement_t) :: rest
+    integer :: others
+
+    call select_near_teeth(gear, options, near, others)
+    call make_section(gear, near, section, error)
+    if (.not. allocated(error)) call check_material(material, error)
+    if (allocated(error)) return
+    associate (held => section%is_held())
+      if (others > 0) call make_superelement(section%grid, section%first_column(2) - section%first_column(1), others, &
+                                             elastic_law(material, options%plane_strain), held, rest, error)
+      if (allocated(error)) return
+      call make_body(section%grid, material, options%plane_strain, 1.0_dp, spread(held, 1, 2), options%most_memory, body, error, &
+                     rest)
+    end associate
+  end subroutine make_near_teeth
 
   !> Computes the compliance of the tip corner under loads of all tilts.
   subroutine corner_compliance(section, body, radius, depth, tooth, error)

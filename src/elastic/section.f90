@@ -15,7 +15,7 @@ module gearsweep_elastic_section
   implicit none
   private
   public :: append, fillet_run, section_options_t, section_t, make_section, assumed_bore_radius, section_body_t, &
-            make_section_body, make_two_grids, mean_step_ratio, stress_error_share
+            make_section_body, make_two_grids, mean_step_ratio, select_near_teeth, stress_error_share
 
   type :: section_t
     type(gear_t) :: gear
@@ -223,6 +223,29 @@ contains
 
     radius = gear%reference_radius/3
   end function assumed_bore_radius
+
+  !> Selects the section of the loaded tooth and its neighbours for a complete gear, whose other teeth are a superelement. Other
+  !> sections, and gears with few teeth, stay as they are.
+  pure subroutine select_near_teeth(gear, options, near, others)
+    type(gear_t), intent(in) :: gear
+    type(section_options_t), intent(in) :: options
+    type(section_options_t), intent(out) :: near
+    integer, intent(out) :: others               !< number of teeth of the superelement
+    ! The tooth after the next one of the loaded tooth is the last.
+    integer, parameter :: teeth = 5
+    real(dp) :: bore_radius
+
+    near = options
+    others = 0
+    if (.not. (options%teeth == 0 .or. options%teeth == gear%spec%teeth) .or. options%half_angle > 0) return
+    if (gear%spec%teeth <= teeth + 1) return
+    near%teeth = teeth
+    others = gear%spec%teeth - teeth
+    near%fixed_sides = .false.
+    bore_radius = gear%spec%bore_radius
+    if (bore_radius <= 0) bore_radius = assumed_bore_radius(gear)
+    if (options%rim <= 0) near%rim = gear%root_radius - bore_radius
+  end subroutine select_near_teeth
 
   !> Angle from the tooth axis to the start of the tooth's block, with a small margin.
   pure real(dp) function edge_angle(gear, side)

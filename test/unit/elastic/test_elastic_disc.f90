@@ -5,10 +5,11 @@ module test_elastic_disc
   use gearsweep_elastic_body, only: body_t, make_body
   use gearsweep_study_case_case, only: case_t
   use gearsweep_api_case_reader, only: read_case
-  use gearsweep_elastic_compliance, only: deflection_at_depth, disc_compliance, flank_load, turning
+  use gearsweep_elastic_compliance, only: deflection_at_depth, disc_compliance, flank_load, tooth_compliance, tooth_t, turning
   use gearsweep_elastic_disc, only: disc_t
   use gearsweep_base_error, only: error_t
   use gearsweep_elastic_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_elastic_flattening, only: surface_to_depth
   use gearsweep_gear_gear, only: drive, gear_spec_t, gear_t, make_gear
   use gearsweep_elastic_grid, only: grid_t, make_grid
   use gearsweep_mesh_harmonics, only: find_harmonics, harmonics_t
@@ -36,6 +37,7 @@ contains
 
     if (t%wants('annulus')) call annulus(t)
     if (t%wants('small_bores')) call small_bores(t)
+    if (t%wants('superelement')) call superelement(t)
     if (t%wants('two_teeth')) call two_teeth(t)
     if (t%wants('shrinking_bore')) call shrinking_bore(t)
     if (t%wants('sections_share')) call sections_share(t)
@@ -113,6 +115,61 @@ contains
       call check_close(t, 'turn about a bore of '//str(1000*bore(i))//' mm', disc%turn, expected, relative=3e-3_dp)
     end do
   end subroutine small_bores
+
+  !> A complete gear whose distant teeth are a superelement deflects as the same gear with a grid of all teeth: odd and even
+  !> numbers of them, an assumed bore, other teeth coarser than the loaded one, unequal flanks.
+  subroutine superelement(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: teeth(4) = [25, 31, 40, 13]
+    real(dp), parameter :: bore(4) = [0.010_dp, 0.002_dp, 0.0_dp, 0.002_dp]
+    type(fe_options_t) :: options
+    type(gear_t) :: gear
+    type(section_t) :: section
+    type(body_t) :: body
+    type(disc_t) :: disc
+    type(tooth_t) :: tooth
+    type(error_t), allocatable :: error
+    real(dp) :: first, last, curvature, radius(1), depth(1), near(1), far(1), angle, chord, expected
+    integer :: i
+
+    options%section%teeth = 0
+    options%section%elements_across = 8
+    do i = 1, size(teeth)
+      gear = dogan_gear(teeth(i), bore(i))
+      if (i == 2) gear = dogan_gear(teeth(i), bore(i), [25.0_dp, 20.0_dp])
+      associate (base => gear%base_radius(drive))
+        last = sqrt(gear%tip_radius**2 - base**2)
+        first = last - 1.3_dp*2*pi*base/teeth(i)
+        ! At a knot of the spline, half of the positions up.
+        curvature = first + (last - first)*sin(pi/4)
+        radius = hypot(base, curvature)
+      end associate
+      call tooth_compliance(gear, material_t(), options, first, last, tooth, error)
+      call check_no_error(t, 'with a superelement', error)
+      if (.not. allocated(error)) call make_section(gear, options%section, section, error)
+      if (.not. allocated(error)) call make_body(section%grid, material_t(), options%section%plane_strain, 1.0_dp, &
+                                                 spread(section%is_held(), 1, 2), 8e9_dp, body, error)
+      if (.not. allocated(error)) call disc_compliance(section, body, first, last, disc, error)
+      call check_no_error(t, 'grid of all teeth', error)
+      if (allocated(error)) return
+      call check_true(t, 'all teeth', section%grid%closed .and. body%rest%teeth == 0)
+      call check_close(t, 'turn', tooth%disc%turn, disc%turn, relative=1e-9_dp)
+      call check_close(t, 'shared', tooth%disc%shared, disc%shared, relative=1e-9_dp)
+      call check_close(t, 'decline', tooth%disc%decline, disc%decline, relative=1e-9_dp)
+      call check_close(t, 'change', tooth%disc%change(1), disc%change(1), absolute=1e-9_dp*disc%shared)
+      associate (m => gear%spec%module, steel => material_t(), strain => options%section%plane_strain)
+        ! As deep as there: rounded off where the tooth is thin.
+        angle = gear%half_angle(drive, radius(1))
+        chord = 2*radius(1)*sin(angle)/cos(acos(gear%base_radius(drive)/radius(1)) - angle)
+        depth = ((options%depth*m)**(-8) + (0.35_dp*chord)**(-8))**(-0.125_dp)
+        call deflection_at_depth(section, body, radius, depth, 2*depth, near, far, error)
+        expected = 2*(near(1) + surface_to_depth(steel, strain, m, depth(1))) &
+                   - (far(1) + surface_to_depth(steel, strain, m, 2*depth(1))) - surface_to_depth(steel, strain, 1.0_dp, 1.0_dp) &
+                   - disc%turn
+        call check_close(t, 'tooth', tooth%compliance%value(curvature), expected, relative=1e-9_dp)
+      end associate
+    end do
+  end subroutine superelement
 
   subroutine whole_gear(gear, across, section, body, error)
     type(gear_t), intent(in) :: gear
