@@ -127,7 +127,7 @@ contains
   pure integer function further_laws(steps)
     integer, intent(in) :: steps
 
-    further_laws = 32 + min(steps, 1024)
+    further_laws = 32 + 4*min(steps, 1024)
   end function further_laws
 
   !> Memory of a table (bytes): its steps and laws, and the temporary arrays while it is filled.

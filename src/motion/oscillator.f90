@@ -41,6 +41,7 @@ module gearsweep_motion_oscillator
     real(dp) :: highest_frequency = 0  !< upper bound of omega over the period, rad/s
     real(dp) :: static_deflection = 0  !< load over mean stiffness, m: the unit of residuals
     real(dp) :: mean_deflection = 0    !< deflection whose mean load over the period is the static one, m
+    real(dp) :: largest_error = 0      !< upper bound of the profile error, m
     !> Smooth intervals of a mesh period: no coefficient has a break within. Where teeth deviate, with the deviations of the first
     !> mesh period, or of that of `set_period`.
     type(interval_t), allocatable :: intervals(:)
@@ -87,6 +88,7 @@ contains
     osc%natural_frequency = sqrt(mean_stiffness*sum(1/osc%mass))
     osc%highest_frequency = sqrt(osc%pairs*stiffest*sum(1/osc%mass)*(1 + osc%friction))
     osc%static_deflection = osc%load/mean_stiffness
+    osc%largest_error = osc%mesh%largest_error()
     osc%mean_deflection = mean_deflection(osc)
     osc%frequency = interval_frequencies(osc)
 
@@ -147,7 +149,7 @@ contains
                         [(k - 0.5_dp, k=1, samples)]/samples, springs(i))
       end associate
     end do
-    x = 2*osc%static_deflection + osc%mesh%largest_error()
+    x = 2*osc%static_deflection + osc%largest_error
     do n = 1, most
       load = 0
       slope = 0

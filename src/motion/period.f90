@@ -214,7 +214,7 @@ contains
 
     call take_laws(map, step, state)
     do j = 1, map%table%pairs(step)
-      call move_load(map%table, step, 1, j, state, bound)
+      call move_load(map%table, lanes_of(map), step, 1, j, state, bound)
     end do
   end subroutine begin_loads
 
@@ -300,6 +300,14 @@ contains
     stays_full = maxval(highest) < table%lower_bound(step)
   end function stays_full
 
+  !> Number of lanes of a batch that are computed: one for one motion, else all of them, as a loop over a constant number of lanes
+  !> is one of vectors.
+  pure integer function lanes_of(map)
+    type(period_map_t), intent(in) :: map
+
+    lanes_of = merge(1, batch_size, map%speeds == 1)
+  end function lanes_of
+
   !> Finds the motions in which a contact may change during a step.
   pure subroutine find_changes(map, step, state)
     type(period_map_t), intent(inout) :: map
@@ -310,11 +318,12 @@ contains
 
     lowest = huge(lowest)
     call take_laws(map, step, state)
-    associate (touching => map%table%touching, width => map%table%width(step), from => state%from, to => state%to)
+    associate (touching => map%table%touching, width => map%table%width(step), from => state%from, to => state%to, &
+               lanes => lanes_of(map))
       do j = 1, map%osc%contacts
         if (j > map%table%pairs(step) .and. j <= map%osc%pairs) cycle
         associate (sense => state%contacts(j)%sense)
-          do l = 1, batch_size
+          do l = 1, lanes
             lowest(l) = min(lowest(l), least_overlap(sense(l)*(state%x(l, from) - touching(0, j, 1, state%law(l))), &
                                                      sense(l)*(state%x(l, to) - touching(0, j, 2, state%law(l))), &
                                                      sense(l)*(state%y(l, from) - touching(1, j, 1, state%law(l)))*width, &
@@ -340,7 +349,7 @@ contains
     do j = 1, map%osc%contacts
       if (j > map%table%pairs(step) .and. j <= map%osc%pairs) cycle
       associate (sense => state%contacts(j)%sense)
-        do l = 1, batch_size
+        do l = 1, lanes_of(map)
           lowest(l) = min(lowest(l), sense(l)*(state%x(l, state%to) - map%table%touching(0, j, 2, state%law(l))))
         end do
       end associate
@@ -371,8 +380,8 @@ contains
     call take_laws(map, step, state)
     associate (table => map%table)
       do j = 1, table%pairs(step)
-        call move_load(table, step, 2, j, state, bound)
-        if (.not. any(bound > state%peak)) cycle
+        call move_load(table, lanes_of(map), step, 2, j, state, bound)
+        if (.not. any(bound(:map%speeds) > state%peak(:map%speeds))) cycle
         do l = 1, map%speeds
           if (state%changes(l) .or. bound(l) <= state%peak(l)) cycle
           call add_candidate(map%osc, table, map%duration(l), candidate_t(bound(l), state%x(l, ends), state%y(l, ends), &
@@ -389,9 +398,9 @@ contains
 
   !> Updates the load of pair j at one end of a step: raises the largest load, and returns an upper bound within the step (a
   !> concave curve stays below its tangents).
-  pure subroutine move_load(table, step, end, j, state, bound)
+  pure subroutine move_load(table, lanes, step, end, j, state, bound)
     type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step, end, j
+    integer, intent(in) :: lanes, step, end, j
     type(integrator_t), intent(inout) :: state
     real(dp), intent(out) :: bound(batch_size)
     real(dp), dimension(batch_size) :: load, load_slope
@@ -400,13 +409,13 @@ contains
 
     at = merge(state%from, state%to, end == 1)
     associate (pair => state%contacts(j), peak => state%peak, width => table%width(step), law => state%law)
-      do l = 1, batch_size
+      do l = 1, lanes
         gap = state%x(l, at) - table%touching(0, j, end, law(l))
         load(l) = table%effective(0, j, end, law(l))*gap
         load_slope(l) = width*(table%effective(1, j, end, law(l))*gap + &
                                table%effective(0, j, end, law(l))*(state%y(l, at) - table%touching(1, j, end, law(l))))
       end do
-      do l = 1, batch_size
+      do l = 1, lanes
         rise = max(0.0_dp, pair%load_slope(l))
         fall = max(0.0_dp, -load_slope(l))
         bound(l) = max(pair%load(l), load(l)) + min(rise, fall, (rise + fall)/4)

@@ -209,7 +209,7 @@ contains
 
     bound = 1/max(least, min(most, osc%damping_ratio))
     is_bounded = distance(osc, duration, state) < &
-                 bound*(1 + (osc%backlash + abs(osc%mean_deflection) + osc%mesh%largest_error())/osc%static_deflection)
+                 bound*(1 + (osc%backlash + abs(osc%mean_deflection) + osc%largest_error)/osc%static_deflection)
   end function is_bounded
 
   !> Computes the result of a converged motion, and whether it attracts.
