@@ -16,6 +16,7 @@ module gearsweep_motion_attractor_search
   use gearsweep_motion_periodic_orbit, only: closure_of, distance, judge, largest_multiplier, newton_step, run_periods, shoot, &
     solve_full_contact, steady_t
   use gearsweep_motion_steady_motion, only: has_result, status_ok, status_stopped, status_unresolved, status_unstable
+  use gearsweep_motion_transient, only: growth_t
   implicit none
   private
   public :: known_t, attractor_options_t, search_motions, start_states
@@ -57,6 +58,7 @@ module gearsweep_motion_attractor_search
     integer :: next_try = 0                      !< length at the next try of Newton's method from any state
     integer :: next_shot = 0                     !< length at the next try where the motion nearly repeats
     integer :: in_full_contact = 0               !< periods in a row
+    type(growth_t) :: growth
     type(approach_t) :: approach
     real(dp), allocatable :: state(:, :)         !< last states, the newest first, m; (2, 0:periods)
     real(dp), allocatable :: monodromy(:, :, :)  !< monodromy matrices of the last 1, 2, ... periods; (2, 2, periods)
@@ -357,12 +359,13 @@ contains
     trajectory%next_try = 1
     trajectory%next_shot = 1
     trajectory%in_full_contact = 0
+    trajectory%growth = growth_t()
     trajectory%approach = approach_t()
     if (.not. allocated(trajectory%state)) allocate (trajectory%state(2, 0:periods), trajectory%monodromy(2, 2, periods))
     trajectory%state(:, 0) = state
   end subroutine enter
 
-  !> Updates a trajectory after one more mesh period: captured, at its end, or continued.
+  !> Updates a trajectory after one more mesh period: captured, chaotic, at its end, or continued.
   pure subroutine take_period(run, search, trajectory)
     type(period_t), intent(in) :: run
     type(search_t), intent(inout) :: search
@@ -376,13 +379,14 @@ contains
       return
     end if
     call remember(run, trajectory)
+    call trajectory%growth%add(run%monodromy, search%scale(2)/search%scale(1))
     trajectory%in_full_contact = merge(0, trajectory%in_full_contact + 1, run%departs)
     attractor = 0
     if (trajectory%in_full_contact >= enough) attractor = search%in_full_contact
     if (attractor == 0) call watch(search, trajectory, attractor)
     if (attractor == 0) call try_newton(search, trajectory)
     search%to(trajectory%start) = attractor
-    if (attractor > 0 .or. trajectory%length >= search%most_cycles) trajectory%start = 0
+    if (attractor > 0 .or. trajectory%growth%is_sure() .or. trajectory%length >= search%most_cycles) trajectory%start = 0
   end subroutine take_period
 
   !> Adds a period to the stored history of a trajectory.

@@ -10,7 +10,18 @@ module gearsweep_motion_transient
     status_chatter, status_stopped, status_transient, status_unbounded, status_unstable, steady_options_t, steady_t
   implicit none
   private
-  public :: march, shorten, by_marching, by_shooting, steady_options_t, sure_growth
+  public :: march, shorten, by_marching, by_shooting, steady_options_t, sure_growth, growth_t
+
+  !> Growth of a disturbance of a motion, by the monodromy matrices of its mesh periods.
+  type :: growth_t
+    real(dp) :: disturbance(2) = 1               !< x, and y over its unit; of length 1
+    real(dp) :: logarithm = 0                    !< logarithm of its growth since the period `first_counted`
+    integer :: periods = 0                       !< mesh periods
+  contains
+    procedure :: add
+    procedure :: is_sure
+    procedure :: per_period
+  end type growth_t
 
   !> Last states and maps of a transient.
   type :: history_t
@@ -18,8 +29,7 @@ module gearsweep_motion_transient
     real(dp), allocatable :: monodromy(:, :, :)  !< monodromy matrices of the last 1, 2, ... periods; (2, 2, periods)
     integer :: length = 0                        !< mesh periods marched
     real(dp) :: decay = 0                        !< -log of the determinant of all monodromy matrices, by the damping
-    real(dp) :: disturbance(2) = 1               !< disturbance: x, and y over its unit; of length 1
-    real(dp) :: growth = 0                       !< logarithm of its growth since the period `first_counted`
+    type(growth_t) :: growth
     type(seen_t) :: seen                         !< after the decay of the initial excitation
   end type history_t
 
@@ -82,10 +92,10 @@ contains
       end if
       if (history%length < enough) cycle
       ! Chaos, or so little damping that the transient never dies away.
-      if (history%growth > sure_growth .or. history%decay*most_cycles < 8*history%length) exit
+      if (history%growth%is_sure() .or. history%decay*most_cycles < 8*history%length) exit
     end do
-    if (history%growth > sure_growth) &
-      steady = steady_t(status=status_chaotic, multiplier=exp(history%growth/(history%length - first_counted)), &
+    if (history%growth%is_sure()) &
+      steady = steady_t(status=status_chaotic, multiplier=exp(history%growth%per_period()), &
                         departs=run%departs, partial=run%partial, lost=run%lost, coast=run%coast, work=steady%work)
     steady%seen = history%seen
   end subroutine march
@@ -116,7 +126,7 @@ contains
     type(history_t), intent(inout) :: history
     type(period_t), intent(in) :: run
     real(dp), intent(in) :: unit
-    real(dp) :: one(2, 2), size
+    real(dp) :: one(2, 2)
     integer :: k
 
     one = limited(run%monodromy)
@@ -128,12 +138,37 @@ contains
     history%monodromy(:, :, 1) = one
     history%state(:, 0) = run%state
     history%length = history%length + 1
-    history%decay = history%decay - log(max(determinant(one), tiny(size)))
-    history%disturbance = matmul(one, history%disturbance*[1.0_dp, unit])/[1.0_dp, unit]
-    size = max(norm2(history%disturbance), tiny(size))
-    history%disturbance = history%disturbance/size
-    if (history%length > first_counted) history%growth = history%growth + log(size)
+    history%decay = history%decay - log(max(determinant(one), tiny(unit)))
+    call history%growth%add(one, unit)
   end subroutine append
+
+  !> Follows the disturbance over one more mesh period.
+  pure subroutine add(self, monodromy, unit)
+    class(growth_t), intent(inout) :: self
+    real(dp), intent(in) :: monodromy(2, 2)
+    real(dp), intent(in) :: unit                 !< unit of y
+    real(dp) :: size
+
+    self%periods = self%periods + 1
+    self%disturbance = matmul(monodromy, self%disturbance*[1.0_dp, unit])/[1.0_dp, unit]
+    size = max(norm2(self%disturbance), tiny(size))
+    self%disturbance = self%disturbance/size
+    if (self%periods > first_counted) self%logarithm = self%logarithm + log(size)
+  end subroutine add
+
+  !> True if a bounded motion is chaotic.
+  pure logical function is_sure(self)
+    class(growth_t), intent(in) :: self
+
+    is_sure = self%periods >= enough .and. self%logarithm > sure_growth
+  end function is_sure
+
+  !> Logarithm of the mean growth over a mesh period.
+  pure real(dp) function per_period(self)
+    class(growth_t), intent(in) :: self
+
+    per_period = self%logarithm/(self%periods - first_counted)
+  end function per_period
 
   !> Limits disturbances over many turns, which may overflow; their size beyond the limit does not matter.
   pure function limited(a) result(b)

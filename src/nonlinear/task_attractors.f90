@@ -58,7 +58,7 @@ contains
                     meaning='mesh periods after which a motion that is looked for repeats, at most')
     call reader%get(group, 'followed_periods', self%options%most_cycles, error, tasks=group, is_stated=has_most, at_least=1, &
                     at_most=10**7, default_note='as many as decay to exp(-5) takes, 2000 to 100 000', &
-                    meaning='mesh periods that a start is followed at most until a motion has captured it')
+                    meaning='mesh periods that a start is followed at most until a motion has captured it or it is chaotic')
   end subroutine read_keys
 
   subroutine run(self, stages, error)
