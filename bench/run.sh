@@ -43,7 +43,7 @@ peer() {
 }
 
 set_up() {
-  install_packages && make_venv && fetch_python numpy==2.4.6 scipy==1.17.1 matplotlib==3.11.2 scikit-fem==12.0.2 mpmath==1.4.1
+  install_packages && install_fpm && fetch_python numpy==2.4.6 scipy==1.17.1 matplotlib==3.11.2 scikit-fem==12.0.2 mpmath==1.4.1
 }
 
 measure() {

@@ -21,14 +21,14 @@ check() {
   fi
 }
 
-for folder in python validation bench test tools doc examples; do
+for folder in app python validation bench test tools doc examples; do
   check "ruff: $folder" "$venv/bin/ruff" check --quiet --no-cache --output-format concise "$folder"
 done
 # One after the other, as files in two folders have the same name.
 # The package's folders go together.
 check 'mypy: python' "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" python/gearsweep
 check 'mypy: python/tests' "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" python/tests/*.py python/tests/*/*.py
-for folder in python/tools validation bench tools/mutation test/cases/panel tools/reference doc doc/site; do
+for folder in app python/tools validation bench tools/mutation test/cases/panel tools/reference doc doc/site; do
   check "mypy: $folder" "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" "$folder"/*.py
 done
 for folder in src app test examples; do

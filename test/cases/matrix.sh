@@ -2,10 +2,10 @@
 # Builds the library and the program in several ways, runs the cases of data/ with each, and compares all tables and
 # the screen with those of the released build, by test/cases/compare.py: sh test/cases/matrix.sh [BUILD ...]
 #
-#   release   as released (fpm's profile): what the others are compared with
+#   release   as released (app/build.py): what the others are compared with
 #   O0, O2    without optimisation, with less than released
 #   native    -O3 -march=native: with all that this processor can, fused multiply and add among it
-#   plain     as released with -fno-frontend-optimize: gfortran's front end may take two calls for one
+#   plain     -O3 -fno-frontend-optimize: gfortran's front end may take two calls for one
 #   flang     by flang 19, another compiler; installed by this command where it is missing (Debian)
 #
 # Without a name, all. --quick: O0 and plain, with two cases that name every task between them (a part of test/run.sh).
@@ -32,18 +32,20 @@ trap 'exit 1' HUP INT TERM
 passed=0
 failed=0
 
-# The released flags of fpm 0.12 but for warnings. A call of a function that is not pure and may be left out stops the build.
-released='-O3 -funroll-loops -fcoarray=single -fimplicit-none -fPIC'
+# The released flags of most files. A call of a function that is not pure and may be left out stops the build.
+released='-O3 -funroll-loops'
 warned='-Wfunction-elimination -Werror=function-elimination'
 make_release() { build_program; }
-make_O0() { build matrix-O0 "src app" run gearsweep --flag "-O0 -fimplicit-none -fPIC"; }
-make_O2() { build matrix-O2 "src app" run gearsweep --flag "-O2 -fimplicit-none -fPIC $warned"; }
-make_native() { build matrix-native "src app" run gearsweep --flag "$released -march=native $warned"; }
-make_plain() { build matrix-plain "src app" run gearsweep --flag "$released -fno-frontend-optimize"; }
+make_gfortran() { build "matrix-$1" program "matrix-$1" --flags="$2"; }
+make_O0() { make_gfortran O0 -O0; }
+make_O2() { make_gfortran O2 "-O2 $warned"; }
+make_native() { make_gfortran native "$released -march=native $warned"; }
+make_plain() { make_gfortran plain "$released -fno-frontend-optimize"; }
+# From the start, as fpm takes stale modules for current ones.
 make_flang() {
-  # run_fpm in app/setup.sh clears what gfortran left unfinished; the same here.
-  if [ -e "$run_dir/unfinished" ]; then rm -rf "$root"/build/flang-*; fi
-  install_flang && build matrix-flang "src app" run gearsweep --compiler "$flang" --c-compiler gcc --flag "-O2 -fPIC"
+  rm -rf "$root"/build/flang-*
+  install_fpm && install_flang && quietly "building with flang, about 2 min" "$venv/bin/fpm" run gearsweep --compiler "$flang" \
+    --c-compiler gcc --flag "-O2 -fPIC" --runner echo && cp "$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)" "$run_dir/matrix-flang"
 }
 
 # run PROGRAM FOLDER: all cases; tables, screen and exit code go into the folder.

@@ -5,11 +5,9 @@
 # The last line is `N passed, N failed`; a finding ends a part and is a failure.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd) || exit
 . "$root/test/checks.sh"
-need gcc nm
+need gcc
 if [ "${1-}" = --short ]; then build_sanitized; else build_check_sanitized; fi || exit
-library=$(ls -t "$root"/build/gfortran_*/gearsweep/libgearsweep.a | while read -r archive; do
-  nm "$archive" 2>/dev/null | grep -q __asan_init && echo "$archive" && break
-done)
+library=$root/build/sanitized/libgearsweep.a
 
 # Not ours and kept until the end of the process: OpenBLAS's threads with their buffers, libgomp's pool.
 cat >"$work/known" <<'END'

@@ -215,6 +215,7 @@ check 'the shared library has its SONAME' compile 'readelf -d "$prefix/lib/libge
 if [ "${builds_anew-yes}" = yes ]; then
   mkdir -p fpm/app && ln -s "$root" fpm/gearsweep && block toml >fpm/fpm.toml
   cp tiny.f90 fpm/app/main.f90
+  check 'fpm is there' install_fpm
   check 'fpm as described' compile "(cd fpm && '$root/.venv/bin/fpm' run --profile release >../fpm.out)"
   check 'fpm: the program runs' grep -qx "version $version" fpm.out
 fi

@@ -7,7 +7,7 @@ root=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd) || exit
 . "$root/test/checks.sh"
 program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
-[ -x "$venv/bin/fpm" ] || build_program || exit
+install_packages && install_fpm || exit
 mkdir "$work/clone" && cd "$root" && cp -R fpm.toml app data doc include src test "$work/clone" && cd "$work/clone" || exit
 
 # check TITLE COMMAND...: the command must succeed; what it said is shown where it does not.

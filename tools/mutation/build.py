@@ -7,19 +7,19 @@ import subprocess
 
 import instrument
 
-# Those of fpm's release profile, with which people build. A change may lengthen a line.
+# Those of most files of app/build.py, with which people build. A change may lengthen a line.
 RELEASE = '-O3 -funroll-loops -fPIC -fcoarray=single -fopenmp -fimplicit-none -ffree-form -ffree-line-length-none'
 SWITCH = 'src/base/gearsweep_mutants'
 # Appended to the copy's app/setup.sh.
 SETUP = """
-export FPM_FFLAGS=-ffree-line-length-none
+export FFLAGS=-ffree-line-length-none
 builds_anew=no
 build_package() { :; }
 """
 # As pip does it, but not into the environment.
 PACKAGE = """
-export FFLAGS=$FPM_FFLAGS PATH="$venv/bin:$PATH"
-meson setup build/python -Dpython.purelibdir="$root/build/package" -Dpython.platlibdir="$root/build/package" && meson install -C build/python
+export PATH="$venv/bin:$PATH"
+meson setup build/python -Dlibrary=build/release/libgearsweep.a -Dpython.purelibdir="$root/build/package" -Dpython.platlibdir="$root/build/package" && meson install -C build/python
 """
 
 
@@ -72,7 +72,7 @@ class Together:
         (folder / f'{SWITCH}.c').write_text(instrument.SWITCH_C)
         # For the modules, all of them.
         self.tree.run('sh app/install.sh build/clean')
-        self.modules = next(folder.glob('build/gfortran_*/gearsweep.mod')).parent
+        self.modules = folder / 'build/release/src'
         (folder / 'build/apart').mkdir()
         numbers = itertools.count(1)
         for order, count in zip(orders, counts, strict=True):
