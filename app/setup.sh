@@ -216,6 +216,8 @@ install_fpm() { install_python fpm "fpm==$fpm_version"; }
 
 build_library() { build libgearsweep.a library release; }
 build_program() { build gearsweep program release; }
+# Needs nothing of the system that it runs on.
+build_static() { build gearsweep-static program release --link-flags='-static -s'; }
 build_check_release() { build check-release check release; }
 # In place of the released flags.
 build_check_debug() { build check-debug check debug --flags="$debug_flags"; }
