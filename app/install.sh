@@ -22,7 +22,7 @@ install_library() {
   completions=$prefix/share/bash-completion/completions
   mkdir -p "$prefix/bin" "$prefix/lib/pkgconfig" "$prefix/lib/cmake/gearsweep" "$prefix/include/gearsweep" "$completions" || return
   replace "$run_dir/gearsweep" "$prefix/bin/gearsweep" && replace "$run_dir/libgearsweep.a" "$prefix/lib/libgearsweep.a" &&
-    cp "$built"/src/*.mod "$root/include/gearsweep.h" "$prefix/include/gearsweep/" && make_shared &&
+    cp "$built"/src/*.mod "$root"/include/gearsweep.* "$prefix/include/gearsweep/" && make_shared &&
     cp "$root/app/completion.sh" "$completions/gearsweep" &&
     write_pc "\${libdir}/libgearsweep.a $needs" '' >"$prefix/lib/pkgconfig/gearsweep.pc" &&
     write_pc '-L${libdir} -Wl,-rpath,${libdir} -lgearsweep' "$needs" >"$prefix/lib/pkgconfig/gearsweep-shared.pc" &&

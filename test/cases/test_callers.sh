@@ -158,6 +158,40 @@ no_static_lengths() {
 }
 check 'no static text lengths' no_static_lengths
 
+# What a C++ caller may do besides examples/first.cpp. Each row has the bits of its own run; a study outlives the one that it was copied from.
+cat >caller.cpp <<'END'
+#include <gearsweep.hpp>
+#include <cassert>
+#include <cstdio>
+static std::string with(double torque) {
+  return "&case tasks = 'sweep' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = " +
+    std::to_string(torque) + " / &mesh model = 'weber' / &sweep rpm_first = 3000 rpm_last = 6000 rpm_step = 1000 /";
+}
+template <class Call> static int code_of(Call call) {
+  try { call(); } catch (const gearsweep::error &error) { return *error.what() ? error.code : -1; }
+  return 0;
+}
+int main() {
+  auto copy = [] { gearsweep::study study(with(80)); return gearsweep::study(study); }();
+  const std::vector<double> factor = copy.column("sweep", "dynamic_factor");
+  assert(factor.size() == 4 && factor == gearsweep::study(with(80), "", 1, &copy).column("sweep", "dynamic_factor"));
+  std::vector<double> both = factor, other = gearsweep::study(with(120)).column("sweep", "dynamic_factor");
+  both.insert(both.end(), other.begin(), other.end());
+  assert(factor != other && both == gearsweep::study::rows(with(100), "load.torque_nm", 2, {80, 120}, "sweep.dynamic_factor").column("sweep", "dynamic_factor"));
+  assert(copy.text("case") == with(80) && copy.text("report").find("Dynamic factor") != std::string::npos);
+  const std::string word = copy.words("sweep", "status").at(3);
+  char theirs[40];
+  gearsweep::ask(gsc_words, copy.get(), "sweep", "status", 3, theirs, sizeof theirs);
+  assert(word != "" && word == theirs);
+  assert(code_of([] { gearsweep::study study("&case tasks = 'swep' /"); }) == GSC_INPUT);
+  assert(code_of([&] { copy.column("sweep", "no_such"); }) == GSC_INPUT);
+  assert(code_of([&] { copy.text("no such"); }) == GSC_INPUT);
+  std::puts("done");
+}
+END
+check 'C++: the caller compiles, without a warning' compile 'g++ -std=c++11 -Wall -Wextra -Wpedantic -Werror caller.cpp $(pkg-config --cflags --libs gearsweep) -o caller'
+check 'C++: studies, rows, words, texts, errors' compile '[ "$(./caller)" = done ]'
+
 # --- CMake and fpm -----------------------------------------------------------
 
 mkdir cmake
@@ -173,7 +207,7 @@ int main(void)
   return 0;
 }
 END
-cp tiny.c tiny.cpp
+sed "s/gearsweep\.h/gearsweep.hpp/" tiny.c >tiny.cpp
 cat >tiny.f90 <<'END'
 program tiny
   use gearsweep, only: case_t, error_t, read_case, version

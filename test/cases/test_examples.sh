@@ -4,7 +4,7 @@
 # Takes about 1 min.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd) || exit
 . "$root/test/checks.sh"
-need cc pkg-config
+need cc g++ pkg-config
 build_package || exit
 program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
@@ -34,7 +34,7 @@ awk -F, '/^#/ { next } !named { for (i = 1; i <= NF; i++) at[$i] = i; named = 1;
   results/first.sweep_worst.csv >expected
 check 'the table has a row for each relief' test "$(wc -l <expected)" = 3
 same() { cmp expected "$1" || { diff expected "$1"; return 1; }; }
-for language in 'first.f90:gfortran first.f90' 'first.f:gfortran first.f' 'first.c:cc first.c'; do
+for language in 'first.f90:gfortran first.f90' 'first.f:gfortran first.f' 'first.c:cc first.c' 'first.cpp:g++ first.cpp'; do
   file=${language%%:*}
   check "$file compiles without a warning" sh -c "$(command_of "${language#*:}") -Wall -Wextra -Werror -o run-$file"
   ./"run-$file" >"$file.out" 2>&1
