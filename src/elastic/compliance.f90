@@ -9,7 +9,7 @@
 !> all pairs in contact; a spring in each pair would count it once a pair.
 module gearsweep_elastic_compliance
   use gearsweep_base, only: bracket_t, claim_memory, code_input, dp, error_t, fail, pi, piecewise_t, spline, str
-  use gearsweep_gear, only: drive, gear_t
+  use gearsweep_gear, only: drive, gear_t, teeth_around
   use gearsweep_elastic_body, only: body_t, elastic_law, make_body
   use gearsweep_elastic_disc, only: disc_t
   use gearsweep_elastic_flattening, only: surface_to_depth
@@ -203,7 +203,7 @@ contains
                       str(body%unknowns)//' unknowns', error)
     if (allocated(error)) return
     allocate (x(body%unknowns, places), next_tooth(body%unknowns, places), source=0.0_dp)
-    pitch = 2*pi*section%gear%base_radius(drive)/section%gear%spec%teeth
+    pitch = 2*pi*section%gear%base_radius(drive)/teeth_around(section%gear%spec)
     do i = 1, places
       curvature = first + (last - pitch - first)*node(i)
       call load_tooth(section%loaded, curvature, x(:, i))
@@ -234,8 +234,7 @@ contains
       real(dp), intent(in) :: curvature
       real(dp), intent(inout) :: force(:)
 
-      call flank_load(section, body, min(hypot(section%gear%base_radius(drive), curvature), section%gear%tip_radius), &
-                      force, error, tooth)
+      call flank_load(section, body, contact_radius(section%gear, curvature), force, error, tooth)
     end subroutine load_tooth
   end subroutine disc_compliance
 
@@ -288,7 +287,7 @@ contains
     n = size(curvature)
     curvature = [(sin(pi/2*i/(n - 1)), i=0, n - 1)]
     curvature = first + (last - first)*curvature
-    radius = min(hypot(gear%base_radius(drive), curvature), gear%tip_radius)
+    radius = contact_radius(gear, curvature)
     ! The smaller of two lengths, rounded off so that the depth has no kink.
     depth = ((options%depth*gear%spec%module)**(-8) + (0.35_dp*chord(gear, radius))**(-8))**(-0.125_dp)
     call deflection_at_depth(section, body, radius, depth, 2*depth, near, far, error)
@@ -330,6 +329,16 @@ contains
                      rest)
     end associate
   end subroutine make_near_teeth
+
+  !> Radius (m) of the contact with this radius of curvature (m) on the drive flank. The ends of a virtual gear's involute are
+  !> nearly those of the helical gear's.
+  elemental real(dp) function contact_radius(gear, curvature) result(radius)
+    type(gear_t), intent(in) :: gear
+    real(dp), intent(in) :: curvature
+
+    radius = min(hypot(gear%base_radius(drive), curvature), gear%tip_radius)
+    if (gear%spec%virtual_teeth > 0) radius = max(radius, gear%form_radius(drive))
+  end function contact_radius
 
   !> Computes the compliance of the tip corner under loads of all tilts.
   subroutine corner_compliance(section, body, radius, depth, tooth, error)

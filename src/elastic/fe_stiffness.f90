@@ -7,7 +7,7 @@ module gearsweep_elastic_fe_stiffness
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_base, only: code_input, code_numerical, dp, error_t, fail, interpolated, joined, pi, piecewise_t, polynomial, &
     spline, str
-  use gearsweep_gear, only: contact_reach, gear_spec_t, gear_t, pair_t
+  use gearsweep_gear, only: contact_reach, gear_spec_t, gear_t, normal_section, pair_t
   use gearsweep_elastic_compliance, only: tooth_compliance, tooth_t
   use gearsweep_elastic_corner_stiffness, only: compliance_slope, corner_compliance, edge_zone, moved_contact
   use gearsweep_elastic_disc, only: disc_t
@@ -50,7 +50,7 @@ module gearsweep_elastic_fe_stiffness
     type(piecewise_t) :: compliance
     !> Deflection of the next tooth, over the path coordinate of the first from 0 to where it is alone; constant outside.
     type(piecewise_t) :: shared
-    real(dp) :: decline = 0                      !< `shared` minus the deflection of the tooth after the next one
+    real(dp) :: beyond = 0                       !< deflection of the tooth after the next one, and taken for those after it
     real(dp) :: turn = 0                         !< compliance by rotation about the bore
   end type plane_tooth_t
 
@@ -266,8 +266,8 @@ contains
     end do
   end subroutine fe_deflection
 
-  !> Computes the plane compliance of both gears' teeth, in plane strain. Arguments as of `fe_stiffness`; corner contact and the
-  !> inertia at the bores have no effect.
+  !> Computes the plane compliance of both gears' teeth, in plane strain: of helical gears that of the virtual gears of their normal
+  !> section. Arguments as of `fe_stiffness`; corner contact and the inertia at the bores have no effect.
   subroutine plane_compliance(pair, material, options, plane, error, teeth)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material(2)
@@ -276,6 +276,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(teeth_t), intent(inout), optional :: teeth
     type(tooth_t) :: tooth(2)
+    type(pair_t) :: normal
     real(dp), allocatable :: s(:)
     integer :: i
 
@@ -283,18 +284,24 @@ contains
       call fail(error, code_input, 'plane of the section: must be strain for teeth whose load varies over the face width')
       return
     end if
-    call both_teeth(pair, material, options, tooth, error, teeth)
+    if (pair%overlap_ratio > 0 .and. options%section%teeth >= minval(pair%gear%spec%teeth)) then
+      call fail(error, code_input, 'teeth of the section = '//str(options%section%teeth)//': must be 0, for whole gears, or '// &
+                'fewer than helical gears have')
+      return
+    end if
+    call normal_section(pair, options%section%teeth == 0, normal, error)
+    if (.not. allocated(error)) call both_teeth(normal, material, options, tooth, error, teeth)
     if (allocated(error)) return
     s = path_knots(pair%contact_ratio, [0.0_dp, 0.0_dp])
     do i = 1, 2
       associate (m => pair%gear(i)%spec%module, disc => tooth(i)%disc)
         plane(i)%modulus = material(i)%young/(1 - material(i)%poisson**2)
-        plane(i)%compliance = spline(s, values(tooth(i)%compliance, pair%curvature(i, s)) &
+        plane(i)%compliance = spline(s, values(tooth(i)%compliance, normal%curvature(i, s)) &
                                         + surface_to_depth(material(i), .true., m, m))
         ! Legendre's polynomials over the interval; the path runs down the gear's flank.
         plane(i)%shared = polynomial(0.0_dp, pair%contact_ratio - 1, [disc%shared - disc%change(2)/2, &
                                      merge(1, -1, i == 1)*disc%change(1), 1.5_dp*disc%change(2)])
-        plane(i)%decline = disc%decline
+        plane(i)%beyond = disc%shared_beyond()
         plane(i)%turn = disc%turn
       end associate
     end do

@@ -7,7 +7,7 @@
 !> difference estimates the error.
 module gearsweep_elastic_section
   use gearsweep_base, only: bracket_t, claim_memory, code_input, code_memory, dp, error_t, fail, pi, str
-  use gearsweep_gear, only: coast, drive, fillet_parameter, fillet_point, gear_t, root_angle
+  use gearsweep_gear, only: coast, drive, fillet_parameter, fillet_point, gear_t, root_angle, teeth_around
   use gearsweep_elastic_body, only: body_t, make_body
   use gearsweep_elastic_grid, only: grid_t, make_grid, no_element
   use gearsweep_elastic_material, only: check_material, material_t, on_second_grid, section_options_t
@@ -194,7 +194,7 @@ contains
       if (section%inner_radius <= 0 .and. is_closed(section)) section%inner_radius = assumed_bore_radius(gear)
       if (section%inner_radius <= 0) section%inner_radius = &
         max(gear%root_radius - 2.5_dp*(gear%tip_radius - gear%root_radius), gear%root_radius/10)
-      pitch = 2*pi/gear%spec%teeth
+      pitch = 2*pi/teeth_around(gear%spec)
       section%axis = [((i - (options%teeth + 1)/2.0_dp)*pitch, i=1, options%teeth)]
       section%loaded = (options%teeth + 1)/2
       section%half_angle = options%half_angle
@@ -272,7 +272,7 @@ contains
     integer :: k, teeth
 
     teeth = section%options%teeth
-    pitch = 2*pi/section%gear%spec%teeth
+    pitch = 2*pi/teeth_around(section%gear%spec)
     section%across = block%across
     allocate (section%first_column(teeth))
     from = section%middle - section%half_angle

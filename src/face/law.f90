@@ -1,5 +1,5 @@
-!> Compliance over the face width of spur gears: the displacement of each slice of a line of contact under a line load on any slice,
-!> from the plane compliance of the tooth.
+!> Compliance along the lines of contact of spur and helical gears: the displacement of each slice of a line under a line load on
+!> any slice, from the plane compliance of the tooth.
 !>
 !> A line load that varies along the face as w cos(k z) moves an endless gear by c(k) w cos(k z) (lengths in modules, compliance
 !> times E/(1 - nu**2)). c(k) is the sum of a half space, of the tooth as a plate on an elastic foundation, and of the body that
@@ -9,15 +9,21 @@
 !>
 !> with a the half width of Hertz's contact, gamma Euler's constant, c12 the plane displacement of the next tooth, and c1 such that
 !> c(0) is the plane compliance. The constants D, lam, lam_x and those of the free end faces are fits to finite elements in three
-!> dimensions: 17 to 100 teeth, face widths of 5 to 20 modules, profile shifts from -0.2 to 0.8, solid bodies.
+!> dimensions: 17 to 100 teeth, face widths of 5 to 20 modules, profile shifts from -0.2 to 0.8, solid bodies, helix angles to 30
+!> degrees.
 !>
 !> Integrals over slices are differences of P(r), whose second derivative is the kernel of a term and which is zero with its slope
 !> at r = 0. A free end face is a mirror of the load; two further terms correct its stiffness.
+!>
+!> On helical gears the lines are oblique, lengths count along the line, and the plane compliance is that of the virtual gear. c1
+!> and c12 change along the line; between two slices their geometric mean acts. An end face where the loaded flank is acute is
+!> softer than a right-angled one, one where it is obtuse stiffer. An end of the line inside the face needs nothing: the tooth goes
+!> on there without a load.
 module gearsweep_face_law
   use gearsweep_base, only: dp, pi
   implicit none
   private
-  public :: face_law_t, make_face_law, graded_slices, root_spread, tooth_remainder
+  public :: face_law_t, line_law_t, make_face_law, graded_slices, make_oblique, mean_of, root_spread, tooth_remainder
 
   real(dp), parameter :: euler = 0.5772156649015329_dp
   !> Length (modules) within which the half space spreads a load.
@@ -33,64 +39,182 @@ module gearsweep_face_law
   !> Width of the slices at ends and kinks, its increase per distance from them, and the largest width, in modules.
   real(dp), parameter :: narrow = 0.285_dp, growth = 0.4_dp, wide = 1
 
-  !> Terms of one gear's compliance over slices; (slice, slice), integrated over both, in modules.
+  !> Exponents, per tangent of the helix angle, of the mirror images of half space and tooth in an acute end face, and of its
+  !> stiffness for gradients of the load.
+  real(dp), parameter :: acute_half_space = 3.3_dp, acute_tooth = 1, acute_gradient = 0.7_dp
+  !> Part by which oblique lines raise the compliance of the tooth and of what it shares, per squared tangent of the helix angle.
+  real(dp), parameter :: oblique = 0.15_dp
+
+  !> One gear's compliance along lines of contact, as second primitives between the bounds of slices: of the images in both end
+  !> faces less those of the slices themselves; (bound, bound), in modules.
   type :: face_law_t
+    real(dp), allocatable :: bounds(:)           !< distances along the line from the end face z = 0, modules; in any order
+    real(dp) :: length = 0                       !< of a line over the whole face, modules
+    real(dp) :: tilt = 0                         !< tangent of the helix angle, positive: acute at z = 0; 0: a spur gear
+    real(dp) :: tooth_length = 0, body_length = 0  !< lam and lam_x, modules
+    real(dp), allocatable :: half_space(:, :)    !< with a half width of one module
+    real(dp), allocatable :: tooth(:, :)         !< per c1
+    real(dp), allocatable :: body(:, :)          !< per c12
+    real(dp), allocatable :: even(:, :), gradient(:, :)    !< integrals of the corrections of both end faces; (bound, end face)
+  contains
+    procedure :: add_bounds
+    procedure :: of_line
+    procedure :: between
+  end type face_law_t
+
+  !> Terms of one gear's compliance over the slices of one line; (slice, slice), integrated over both, in modules.
+  type :: line_law_t
     real(dp), allocatable :: half_space(:, :)    !< with a half width of one module
     real(dp), allocatable :: tooth(:, :)         !< per c1
     real(dp), allocatable :: body(:, :)          !< per c12
     real(dp), allocatable :: ends(:, :)          !< per c1 + c12 + 2.12
   contains
     procedure :: of_tooth
-  end type face_law_t
+  end type line_law_t
 
 contains
 
-  !> Computes the terms for slices between the ascending `bounds` (modules; first 0, last the face width), for a gear whose plane
-  !> compliance without half space is `remainder` in the middle of the path (c1) and whose neighbouring teeth share `shared` (c12),
-  !> both times E/(1 - nu**2).
-  pure subroutine make_face_law(bounds, remainder, shared, law)
+  !> Makes the law for bounds of slices that ascend from 0 to the length of a line over the whole face (modules), for a gear whose
+  !> plane compliance without half space is `remainder` in the middle of the path (c1) and whose neighbouring teeth share `shared`
+  !> (c12), both times E/(1 - nu**2).
+  pure subroutine make_face_law(bounds, remainder, shared, law, tilt)
     real(dp), intent(in) :: bounds(0:), remainder, shared
     type(face_law_t), intent(out) :: law
-    real(dp), allocatable :: apart(:, :), image(:, :, :)
-    real(dp) :: length, reach
-    integer :: n
+    real(dp), intent(in), optional :: tilt       !< as of face_law_t; absent: 0
 
-    n = ubound(bounds, 1)
-    length = 0.62_dp + 0.11_dp*(remainder + surface)
-    reach = 1.5_dp + 1.1_dp*shared
-    call find_distances(bounds, apart, image)
-    law%half_space = over_slices(half_space(image(:, :, 1)) + half_space(image(:, :, 2)) - half_space(apart))
-    law%tooth = over_slices(plate(image(:, :, 1), length, 1.0_dp) + plate(image(:, :, 2), length, 1.0_dp) &
-                            - plate(apart, length, 1.0_dp))
-    law%body = over_slices(body(image(:, :, 1), reach) + body(image(:, :, 2), reach) - body(apart, reach))
-    law%ends = of_end(bounds) + of_end(bounds(n) - bounds)
+    if (present(tilt)) law%tilt = tilt
+    law%length = bounds(ubound(bounds, 1))
+    law%tooth_length = 0.62_dp + 0.11_dp*(remainder + surface)
+    law%body_length = 1.5_dp + 1.1_dp*shared
+    allocate (law%bounds(0), law%half_space(0, 0), law%tooth(0, 0), law%body(0, 0), law%even(0, 2), law%gradient(0, 2))
+    call law%add_bounds(bounds)
   end subroutine make_face_law
 
-  !> Term of the end face from which the `distance` (modules) of the slices' bounds counts; (slice, slice).
-  pure function of_end(distance) result(term)
-    real(dp), intent(in) :: distance(0:)
-    real(dp) :: term(ubound(distance, 1), ubound(distance, 1))
-    real(dp), dimension(ubound(distance, 1)) :: even, gradient
-    integer :: j, n
+  !> Adds bounds of slices (modules), after those that the law has.
+  pure subroutine add_bounds(law, bounds)
+    class(face_law_t), intent(inout) :: law
+    real(dp), intent(in) :: bounds(:)
+    integer :: before, n, j
 
-    n = size(even)
-    associate (y => distance)
-      even = end_reach*sqrt(pi)/2*abs(erf(y(1:)/end_reach) - erf(y(:n - 1)/end_reach))
-      gradient = y(1:)*exp(-y(1:)) - y(:n - 1)*exp(-y(:n - 1))
-    end associate
-    do j = 1, n
-      term(:, j) = end_body*(even*even(j)) + end_gradient*(gradient*gradient(j))
+    before = size(law%bounds)
+    law%bounds = [law%bounds, bounds]
+    n = size(law%bounds)
+    call enlarge(law%half_space)
+    call enlarge(law%tooth)
+    call enlarge(law%body)
+    law%even = even_primitive()
+    law%gradient = gradient_primitive()
+    do j = before + 1, n
+      associate (at => law%bounds(j), others => law%bounds(:j))
+        associate (apart => abs(others - at), near => others + at, far => (law%length - others) + (law%length - at))
+          law%half_space(:j, j) = exp(acute_half_space*law%tilt)*half_space(near) &
+                                  + exp(-acute_half_space*law%tilt)*half_space(far) - half_space(apart)
+          law%tooth(:j, j) = exp(acute_tooth*law%tilt)*plate(near, law%tooth_length, 1.0_dp) &
+                             + exp(-acute_tooth*law%tilt)*plate(far, law%tooth_length, 1.0_dp) &
+                             - plate(apart, law%tooth_length, 1.0_dp)
+          law%body(:j, j) = body(near, law%body_length) + body(far, law%body_length) - body(apart, law%body_length)
+        end associate
+      end associate
+      law%half_space(j, :j) = law%half_space(:j, j)
+      law%tooth(j, :j) = law%tooth(:j, j)
+      law%body(j, :j) = law%body(:j, j)
     end do
-  end function of_end
 
-  !> Compliance of slices (modules) of a tooth with this c1 and c12, times E/(1 - nu**2).
-  pure function of_tooth(law, remainder, shared) result(compliance)
+  contains
+
+    pure subroutine enlarge(table)
+      real(dp), allocatable, intent(inout) :: table(:, :)
+      real(dp), allocatable :: known(:, :)
+
+      call move_alloc(table, known)
+      allocate (table(n, n))
+      table(:before, :before) = known
+    end subroutine enlarge
+
+    !> Distances of the bounds from both end faces.
+    pure function from_ends() result(y)
+      real(dp) :: y(n, 2)
+
+      y(:, 1) = law%bounds
+      y(:, 2) = law%length - law%bounds
+    end function from_ends
+
+    pure function even_primitive() result(primitive)
+      real(dp) :: primitive(n, 2)
+
+      primitive = erf(from_ends()/end_reach)
+    end function even_primitive
+
+    pure function gradient_primitive() result(primitive)
+      real(dp) :: primitive(n, 2)
+
+      associate (y => from_ends())
+        primitive = y*exp(-y)
+      end associate
+    end function gradient_primitive
+  end subroutine add_bounds
+
+  !> Terms over the slices between these bounds of one line, ascending: indices in the law's.
+  pure type(line_law_t) function of_line(law, list) result(line)
     class(face_law_t), intent(in) :: law
-    real(dp), intent(in) :: remainder, shared
-    real(dp) :: compliance(size(law%ends, 1), size(law%ends, 2))
+    integer, intent(in) :: list(:)
+    real(dp), dimension(size(list) - 1) :: even, gradient
+    integer :: end, j, n
 
-    compliance = law%half_space + remainder*law%tooth + shared*law%body + (remainder + shared + surface)*law%ends
+    n = size(list) - 1
+    line%half_space = over_slices(law%half_space(list, list))
+    line%tooth = over_slices(law%tooth(list, list))
+    line%body = over_slices(law%body(list, list))
+    allocate (line%ends(n, n), source=0.0_dp)
+    do end = 1, 2
+      even = end_reach*sqrt(pi)/2*abs(law%even(list(2:), end) - law%even(list(:n), end))
+      gradient = law%gradient(list(2:), end) - law%gradient(list(:n), end)
+      associate (steep => end_gradient*exp(merge(acute_gradient, -acute_gradient, end == 1)*law%tilt))
+        do j = 1, n
+          line%ends(:, j) = line%ends(:, j) + (end_body*(even*even(j)) + steep*(gradient*gradient(j)))
+        end do
+      end associate
+    end do
+  end function of_line
+
+  !> Term per c12 between the slices of two lines; (slice of the one, slice of the other).
+  pure function between(law, list, other) result(term)
+    class(face_law_t), intent(in) :: law
+    integer, intent(in) :: list(:), other(:)     !< as of `of_line`
+    real(dp) :: term(size(list) - 1, size(other) - 1)
+
+    term = over_slices(law%body(list, other))
+  end function between
+
+  !> Compliance over the slices (modules) of a line where the tooth has this c1 and c12, times E/(1 - nu**2).
+  pure function of_tooth(line, remainder, shared) result(compliance)
+    class(line_law_t), intent(in) :: line
+    real(dp), intent(in) :: remainder(:), shared(:)        !< (slice)
+    real(dp) :: compliance(size(line%ends, 1), size(line%ends, 2))
+    integer :: j
+
+    do j = 1, size(remainder)
+      compliance(:, j) = line%half_space(:, j) + mean_of(remainder, remainder(j))*line%tooth(:, j) &
+                         + mean_of(shared, shared(j))*line%body(:, j) &
+                         + mean_of(remainder + shared + surface, remainder(j) + shared(j) + surface)*line%ends(:, j)
+    end do
   end function of_tooth
+
+  !> Geometric mean, which is exact for equal numbers; with the sign of the first.
+  elemental real(dp) function mean_of(a, b) result(mean)
+    real(dp), intent(in) :: a, b
+
+    mean = sign(sqrt(max(0.0_dp, a*b)), a)
+  end function mean_of
+
+  !> Raises c1 and c12 (times E/(1 - nu**2)) of the virtual gear for oblique lines at this tangent of the helix angle.
+  elemental subroutine make_oblique(tilt, remainder, shared)
+    real(dp), intent(in) :: tilt
+    real(dp), intent(inout) :: remainder, shared
+
+    remainder = remainder + oblique*tilt**2*(remainder + surface)
+    shared = shared + oblique*tilt**2*shared
+  end subroutine make_oblique
 
   !> Plane compliance of a tooth beyond those of half space and body, c1, from its `plane` compliance with a half width of one
   !> module and from what it shares with the next tooth; all times E/(1 - nu**2).
@@ -105,44 +229,36 @@ contains
   pure function root_spread(bounds) result(spread)
     real(dp), intent(in) :: bounds(0:)           !< of the slices, modules
     real(dp) :: spread(ubound(bounds, 1), ubound(bounds, 1))
-    real(dp), allocatable :: apart(:, :), image(:, :, :)
-    integer :: i
+    real(dp) :: primitive(0:ubound(bounds, 1), 0:ubound(bounds, 1))
+    integer :: i, n
 
-    call find_distances(bounds, apart, image)
-    spread = over_slices(plate(image(:, :, 1), root_length, root_shear) + plate(image(:, :, 2), root_length, root_shear) &
-                         - plate(apart, root_length, root_shear))
+    n = ubound(bounds, 1)
+    do i = 0, n
+      primitive(:, i) = plate(bounds + bounds(i), root_length, root_shear) &
+                        + plate((bounds(n) - bounds) + (bounds(n) - bounds(i)), root_length, root_shear) &
+                        - plate(abs(bounds - bounds(i)), root_length, root_shear)
+    end do
+    spread = over_slices(primitive)
     do i = 1, size(spread, 1)
       spread(i, :) = spread(i, :)/(bounds(i) - bounds(i - 1))
     end do
   end function root_spread
 
-  !> Finds the distances between the bounds of slices, and between bounds and the images of bounds in the end faces; (bound, bound)
-  !> and (bound, bound, end face).
-  pure subroutine find_distances(bounds, apart, image)
-    real(dp), intent(in) :: bounds(0:)
-    real(dp), allocatable, intent(out) :: apart(:, :), image(:, :, :)
-    integer :: i, n
-
-    n = ubound(bounds, 1)
-    allocate (apart(0:n, 0:n), image(0:n, 0:n, 2))
-    do i = 0, n
-      apart(:, i) = abs(bounds - bounds(i))
-      image(:, i, 1) = bounds + bounds(i)
-      image(:, i, 2) = (bounds(n) - bounds) + (bounds(n) - bounds(i))
-    end do
-  end subroutine find_distances
-
   !> Integrals over pairs of slices, (slice, slice), from second primitives at the distances of their bounds, (bound, bound): of
   !> images minus those of the slices themselves, as the distance to an image grows with both places.
   pure function over_slices(primitive) result(integral)
     real(dp), intent(in) :: primitive(0:, 0:)
-    real(dp) :: integral(ubound(primitive, 1), ubound(primitive, 1))
+    real(dp) :: integral(ubound(primitive, 1), ubound(primitive, 2))
     integer :: i, j
 
-    do j = 1, size(integral, 1)
-      do i = 1, j
-        integral(i, j) = (primitive(i, j) - primitive(i, j - 1)) - (primitive(i - 1, j) - primitive(i - 1, j - 1))
-        integral(j, i) = integral(i, j)
+    do j = 1, size(integral, 2)
+      do i = 1, size(integral, 1)
+        ! In this order symmetric to the last bit for a symmetric primitive.
+        if (i <= j) then
+          integral(i, j) = (primitive(i, j) - primitive(i, j - 1)) - (primitive(i - 1, j) - primitive(i - 1, j - 1))
+        else
+          integral(i, j) = (primitive(i, j) - primitive(i - 1, j)) - (primitive(i, j - 1) - primitive(i - 1, j - 1))
+        end if
       end do
     end do
   end function over_slices

@@ -1,21 +1,24 @@
-!> Load distribution over the face width and the path of contact of a pair of spur gears.
+!> Load distribution over the face width and the path of contact of a pair of spur or helical gears.
 !>
-!> Each pair of teeth in contact has one line over the face. Its compliance is that of gearsweep_face_law for both gears, and
-!> neighbouring lines share the compliance of their bodies; gearsweep_face_contact finds which slices touch, and their loads. The
-!> rotation of complete gears about their bores is in series with all lines.
+!> Each pair of teeth in contact has one line over the face, or over a part of it. The path coordinate falls along an oblique line:
+!> contact of a pair begins at the end face z = 0, and ends at the other. The compliance of a line is that of gearsweep_face_law for
+!> both gears, and neighbouring lines share the compliance of their bodies; gearsweep_face_contact finds which slices touch, and
+!> their loads. The rotation of complete gears about their bores is in series with all lines. A line load is per length of the line;
+!> on the transverse line of action it is the load over the face width along z.
 module gearsweep_face_load
   use gearsweep_base, only: code_input, dp, error_t, fail, pi, piecewise_t, str
   use gearsweep_gear, only: pair_t
   use gearsweep_elastic, only: check_contact, contact_half_width, fe_options_t, material_t, plane_compliance, plane_tooth_t, teeth_t
   use gearsweep_face_contact, only: flat_t, solve_contact
-  use gearsweep_face_law, only: even_half_space, face_law_t, graded_slices, make_face_law, root_spread, tooth_remainder
+  use gearsweep_face_law, only: even_half_space, face_law_t, graded_slices, line_law_t, make_face_law, make_oblique, mean_of, &
+    root_spread, tooth_remainder
   use gearsweep_face_alignment, only: alignment_t, check_alignment
   use gearsweep_face_shaft, only: check_shaft, shaft_t
   implicit none
   private
   public :: face_mesh_t, face_load_t, make_face_mesh, find_face_load
 
-  !> A pair of spur gears, as its load distribution depends on it; of gears with a geometry `make_face_mesh` fills it in.
+  !> A pair of gears, as its load distribution depends on it; of gears with a geometry `make_face_mesh` fills it in.
   type :: face_mesh_t
     type(pair_t) :: pair                         !< path of contact, radii of curvature, module
     type(material_t) :: material(2)
@@ -24,7 +27,20 @@ module gearsweep_face_load
     type(piecewise_t) :: profile_error           !< gap of a pair over the path, m; not allocated: 0
   contains
     procedure :: half_width
+    procedure :: slant
+    procedure :: at_plane
   end type face_mesh_t
+
+  !> One line of contact at a phase, cut into slices: those of the face, but for the ends of a line inside the face.
+  type :: line_t
+    integer, allocatable :: list(:)              !< of the bounds of its slices in the law
+    real(dp), allocatable :: bounds(:)           !< of its slices over the face, m; (0:slices)
+    real(dp), allocatable :: s(:)                !< path coordinate in the middle of each slice
+    real(dp) :: start = 0                        !< path coordinate at z = 0, which may be past the path
+  contains
+    procedure :: middles
+    procedure :: onto_face
+  end type line_t
 
   !> Load distribution over a mesh period. Phases include both ends of each interval with the same number of pairs, so that values
   !> jump between two rows of one phase. `per` is the load over the face width, F/b.
@@ -34,20 +50,23 @@ module gearsweep_face_load
     real(dp), allocatable :: phase(:)            !< mesh phase, 0 to 1; (row)
     real(dp), allocatable :: share(:)            !< of the period that a row stands for; (row)
     integer, allocatable :: pairs(:)             !< lines of contact; (row)
+    real(dp), allocatable :: path(:, :, :)       !< path coordinate in a slice's middle, also past the path; (slice, pair, row)
     real(dp), allocatable :: line_load(:, :, :)  !< N/m; (slice, pair, row)
     real(dp), allocatable :: pressure(:, :, :)   !< Hertz's, Pa; (slice, pair, row)
     real(dp), allocatable :: error(:)            !< static transmission error, m; (row)
     real(dp), allocatable :: stiffness(:)        !< tangent stiffness of the mesh, N/m; (row)
     real(dp), allocatable :: factor(:)           !< largest load over one module of the face over F/b; (row)
+    real(dp), allocatable :: contact(:)          !< fraction of the length of all lines that carries; (row)
     !> K_H beta: of the mean over the period of the load of all pairs, largest at any phase, in the middle of contact of the
-    !> fewest pairs.
+    !> fewest pairs; the last is the first of helical gears, whose lines cover parts of the face that change with the phase.
     real(dp) :: mean_factor = 0, worst_factor = 0, single_factor = 0
     real(dp) :: worst_phase = 0
     !> K_F beta: largest root stress along the face over that of an even load, at the outer points of contact of the fewest
-    !> pairs; the larger of pinion's and gear's.
+    !> pairs, the larger of pinion's and gear's; of helical gears under the load's mean over the period.
     real(dp) :: root_factor = 0
     real(dp) :: edge_load = 0                    !< mean over the period of the load on the outermost module, larger end, over F/b
-    real(dp) :: in_contact = 0                   !< fraction of the face that carries in the middle of contact of the fewest pairs
+    !> Fraction of the face that carries in the middle of contact of the fewest pairs; of helical gears the mean of `contact`.
+    real(dp) :: in_contact = 0
     real(dp) :: largest_pressure = 0             !< Pa
   contains
     procedure :: middle
@@ -56,6 +75,10 @@ module gearsweep_face_load
 
   real(dp), parameter :: least_width = 3         !< modules; the end faces act within some three modules
   real(dp), parameter :: slice_over_contact = 4  !< smallest width of a slice over the mean half width of the contact
+  real(dp), parameter :: most_helix = 30*pi/180  !< largest helix angle that the law is known for
+  !> Smallest width of the slice at a line's end inside the face, over the smallest of the face: a narrower part belongs to the
+  !> next slice.
+  real(dp), parameter :: least_part = 0.7_dp
 
 contains
 
@@ -83,9 +106,31 @@ contains
     class(face_mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: s, line_load
 
-    half_width = contact_half_width(mesh%material(1), mesh%material(2), .true., line_load, mesh%pair%curvature(1, s), &
-                                    mesh%pair%curvature(2, s))
+    half_width = contact_half_width(mesh%material(1), mesh%material(2), .true., line_load, mesh%pair%curvature(1, s)/mesh%slant(), &
+                                    mesh%pair%curvature(2, s)/mesh%slant())
   end function half_width
+
+  !> Cosine of the angle between lines of contact and axes, cos(beta_b).
+  elemental real(dp) function slant(mesh)
+    class(face_mesh_t), intent(in) :: mesh
+
+    slant = cos(mesh%pair%gear(1)%base_helix())
+  end function slant
+
+  !> Computes c1 and c12 of a gear (times E/(1 - nu**2)) at path coordinates `s`.
+  pure subroutine at_plane(mesh, gear, s, remainder, shared)
+    class(face_mesh_t), intent(in) :: mesh
+    integer, intent(in) :: gear
+    real(dp), intent(in) :: s(:)
+    real(dp), intent(out) :: remainder(:), shared(:)
+    integer :: i
+
+    associate (tooth => mesh%tooth(gear))
+      shared = tooth%modulus*shared_at(tooth, s)
+      remainder = tooth_remainder(tooth%modulus*[(tooth%compliance%value(s(i)), i=1, size(s))], shared)
+    end associate
+    call make_oblique(tan(mesh%pair%gear(1)%spec%helix_angle), remainder, shared)
+  end subroutine at_plane
 
   !> Finds the load of each pair over the face width at phases of a mesh period, under a `load` (N on the line of action).
   !>
@@ -106,6 +151,9 @@ contains
     if (present(slices)) wanted = slices
     associate (module => mesh%pair%gear(1)%spec%module, path => mesh%pair%contact_ratio*[0.0_dp, 0.5_dp, 1.0_dp])
       if (.not. load > 0) call fail(error, code_input, 'load (N) = '//str(load)//': must be above 0')
+      if (.not. abs(mesh%pair%gear(1)%spec%helix_angle) <= (1 + 1e-12_dp)*most_helix) call fail(error, code_input, &
+        'helix angle (deg) = '//str(abs(mesh%pair%gear(1)%spec%helix_angle)*180/pi)//': must be at most '// &
+        str(most_helix*180/pi)//' for a load distribution over the face')
       if (.not. mesh%width >= least_width*module) call fail(error, code_input, 'face width (mm) = '//str(1000*mesh%width)// &
         ': must be at least '//str(least_width)//' modules for a load distribution over it')
       call check_alignment(alignment, mesh%width, error)
@@ -123,9 +171,9 @@ contains
     if (present(shaft)) product%gap = product%gap + shaft%gap(load, mesh%width, product%middle())
     call find_law(mesh, product%bounds, law, error)
     if (allocated(error)) return
-    call place_phases(mesh%pair%contact_ratio, size(product%gap), product)
+    call place_phases(mesh, size(product%gap), product)
     do i = 1, size(product%phase)
-      call solve_phase(mesh, law, load, i, product, error)
+      call solve_phase(mesh, law, alignment, load, i, product, error, shaft)
       if (allocated(error)) return
     end do
     call summarise(mesh, load, product)
@@ -161,130 +209,282 @@ contains
     end associate
   end function shared_at
 
-  !> Computes the law of both gears.
+  !> Computes the law of both gears: the pinion's flank is acute at z = 0, the gear's at the other end face.
   pure subroutine find_law(mesh, bounds, law, error)
     type(face_mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: bounds(0:)
     type(face_law_t), intent(out) :: law(2)
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: shared, remainder
+    real(dp) :: shared(1), remainder(1), tilt
     integer :: i
 
+    tilt = tan(abs(mesh%pair%gear(1)%spec%helix_angle))
     do i = 1, 2
-      associate (tooth => mesh%tooth(i), half => mesh%pair%contact_ratio/2)
-        shared = tooth%modulus*shared_at(tooth, half)
-        remainder = tooth_remainder(tooth%modulus*tooth%compliance%value(half), shared)
-      end associate
-      if (.not. remainder > 0) then
+      call mesh%at_plane(i, [mesh%pair%contact_ratio/2], remainder, shared)
+      if (.not. remainder(1) > 0) then
         call fail(error, code_input, 'plane compliance times E/(1 - nu**2) = '// &
-                  str(remainder + shared + even_half_space)//': must be above that of a half space and of the body, '// &
-                  str(even_half_space + shared))
+                  str(remainder(1) + shared(1) + even_half_space)//': must be above that of a half space and of the body, '// &
+                  str(even_half_space + shared(1)))
         return
       end if
-      call make_face_law(bounds/mesh%pair%gear(1)%spec%module, remainder, shared, law(i))
+      call make_face_law(bounds/mesh%slant()/mesh%pair%gear(1)%spec%module, remainder(1), shared(1), law(i), &
+                         merge(tilt, -tilt, i == 1))
     end do
   end subroutine find_law
 
-  !> Chooses the phases: in equal steps over each interval with the same number of pairs, an even number of steps; the last
-  !> interval has the fewest pairs. Shares are those of the trapezoidal rule.
-  pure subroutine place_phases(contact_ratio, slices, product)
-    real(dp), intent(in) :: contact_ratio
+  !> Chooses the phases: in equal steps over each interval in which no line begins, ends or reaches an end face, an even number of
+  !> steps; of spur gears the last interval has the fewest pairs. Shares are those of the trapezoidal rule.
+  pure subroutine place_phases(mesh, slices, product)
+    type(face_mesh_t), intent(in) :: mesh
     integer, intent(in) :: slices
     type(face_load_t), intent(inout) :: product
     integer, parameter :: phases = 32            ! about this number
-    real(dp) :: ends(3)
-    integer :: i, k, n
+    real(dp), parameter :: rounding = 1e-9_dp
+    real(dp) :: ends(5)
+    integer :: i, k, n, pairs
 
-    ends = [0.0_dp, contact_ratio - aint(contact_ratio), 1.0_dp]
+    associate (ratio => mesh%pair%contact_ratio, overlap => mesh%pair%overlap_ratio)
+      ends = [0.0_dp, ratio - aint(ratio), overlap - aint(overlap), modulo(ratio + overlap, 1.0_dp), 1.0_dp]
+    end associate
+    call sort(ends(2:4))
     allocate (product%phase(0), product%share(0), product%pairs(0))
-    do i = 1, 2
+    do i = 1, 4
       associate (length => ends(i + 1) - ends(i))
-        if (.not. length > 0) cycle
+        if (.not. length > merge(rounding, 0.0_dp, mesh%pair%overlap_ratio > 0)) cycle
         n = 2*max(1, nint(phases*length/2))
         product%phase = [product%phase, [(ends(i) + length*k/n, k=0, n)]]
         product%share = [product%share, [(length/n*merge(0.5_dp, 1.0_dp, k == 0 .or. k == n), k=0, n)]]
-        product%pairs = [product%pairs, [(int(contact_ratio) + 2 - i, k=0, n)]]
+        pairs = int(mesh%pair%total_contact_ratio() - (ends(i) + length/2)) + 1
+        product%pairs = [product%pairs, [(pairs, k=0, n)]]
       end associate
     end do
     n = size(product%phase)
     allocate (product%line_load(slices, maxval(product%pairs), n), source=0.0_dp)
-    allocate (product%pressure, source=product%line_load)
-    allocate (product%error(n), product%stiffness(n), product%factor(n))
+    allocate (product%pressure, product%path, source=product%line_load)
+    allocate (product%error(n), product%stiffness(n), product%factor(n), product%contact(n))
   end subroutine place_phases
 
-  !> Finds the loads at the phase of `row`.
-  subroutine solve_phase(mesh, law, load, row, product, error)
+  !> Puts three numbers in ascending order.
+  pure subroutine sort(x)
+    real(dp), intent(inout) :: x(3)
+
+    x = [minval(x), sum(x) - minval(x) - maxval(x), maxval(x)]
+  end subroutine sort
+
+  !> Cuts the lines of contact at the phase of `row` into slices, and adds the bounds at their ends inside the face to the law of
+  !> both gears.
+  pure subroutine place_lines(mesh, load, row, product, law, line)
     type(face_mesh_t), intent(in) :: mesh
-    type(face_law_t), intent(in) :: law(2)
+    real(dp), intent(in) :: load
+    integer, intent(in) :: row
+    type(face_load_t), intent(in) :: product
+    type(face_law_t), intent(inout) :: law(2)
+    type(line_t), intent(out) :: line(:)         !< (pair)
+    real(dp) :: ends(2), least
+    real(dp), allocatable :: added(:)
+    integer, allocatable :: inner(:)
+    logical :: is_inside(2)
+    integer :: i, j, n, known
+
+    n = ubound(product%bounds, 1)
+    known = n + 1
+    allocate (added(0))
+    least = least_part*max(minval(product%bounds(1:) - product%bounds(:n - 1)), &
+                           slice_over_contact*mesh%half_width(mesh%pair%contact_ratio/2, load/mesh%width))
+    do j = 1, size(line)
+      line(j)%start = product%phase(row) + (j - 1)
+      ends = [product%bounds(0), product%bounds(n)]
+      if (mesh%pair%overlap_ratio > 0) ends = [max(ends(1), (line(j)%start - mesh%pair%contact_ratio)/mesh%pair%lag()), &
+                                               min(ends(2), line(j)%start/mesh%pair%lag())]
+      is_inside = [ends(1) > product%bounds(0), ends(2) < product%bounds(n)]
+      inner = pack([(i, i=1, n - 1)], product%bounds(1:n - 1) - ends(1) > merge(least, 0.0_dp, is_inside(1)) .and. &
+                   ends(2) - product%bounds(1:n - 1) > merge(least, 0.0_dp, is_inside(2)))
+      if (ends(2) - ends(1) < least) then
+        ! Next to a corner of the field of contact.
+        allocate (line(j)%list(1), line(j)%bounds(0:0), line(j)%s(0))
+        line(j)%list = 1
+        line(j)%bounds = ends(1)
+        cycle
+      end if
+      line(j)%list = [1, inner + 1, n + 1]
+      if (is_inside(1)) line(j)%list(1) = known + size(added) + 1
+      if (is_inside(1)) added = [added, ends(1)]
+      if (is_inside(2)) line(j)%list(size(line(j)%list)) = known + size(added) + 1
+      if (is_inside(2)) added = [added, ends(2)]
+      allocate (line(j)%bounds(0:size(inner) + 1))
+      line(j)%bounds = [ends(1), product%bounds(inner), ends(2)]
+      line(j)%s = line(j)%start - mesh%pair%lag()*line(j)%middles()
+      if (.not. mesh%pair%overlap_ratio > 0) line(j)%s = min(line(j)%s, mesh%pair%contact_ratio)
+    end do
+    if (size(added) == 0) return
+    do i = 1, 2
+      call law(i)%add_bounds(added/mesh%slant()/mesh%pair%gear(1)%spec%module)
+    end do
+  end subroutine place_lines
+
+  !> Middle of each slice of a line over the face, m.
+  pure function middles(line)
+    class(line_t), intent(in) :: line
+    real(dp) :: middles(ubound(line%bounds, 1))
+
+    associate (n => size(middles))
+      middles = (line%bounds(:n - 1) + line%bounds(1:))/2
+    end associate
+  end function middles
+
+  !> Mean of a line's values over each slice of the face between the `bounds` (m); 0 where the line does not run.
+  pure function onto_face(line, values, bounds) result(mean)
+    class(line_t), intent(in) :: line
+    real(dp), intent(in) :: values(:), bounds(0:)
+    real(dp) :: mean(ubound(bounds, 1))
+    integer :: i
+
+    associate (n => size(values))
+      mean = [(sum(values*max(0.0_dp, min(line%bounds(1:), bounds(i)) - max(line%bounds(:n - 1), bounds(i - 1)))) &
+               /(bounds(i) - bounds(i - 1)), i=1, size(mean))]
+    end associate
+  end function onto_face
+
+  !> Finds the loads at the phase of `row`.
+  subroutine solve_phase(mesh, of_face, alignment, load, row, product, error, shaft)
+    type(face_mesh_t), intent(in) :: mesh
+    type(face_law_t), intent(in) :: of_face(2)
+    type(alignment_t), intent(in) :: alignment
     real(dp), intent(in) :: load
     integer, intent(in) :: row
     type(face_load_t), intent(inout) :: product
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), dimension(size(product%gap)*product%pairs(row)) :: width, gap, line_load, square
-    real(dp) :: compliance(size(width), size(width)), s(product%pairs(row)), turn
+    type(shaft_t), intent(in), optional :: shaft
+    real(dp), allocatable :: width(:), gap(:), line_load(:), square(:), compliance(:, :)
+    type(face_law_t) :: law(2)
+    type(line_t) :: line(product%pairs(row))
     type(flat_t) :: flat
-    integer :: own(size(product%gap)), i, j, k, n, pairs
+    real(dp) :: turn, slant
+    integer :: first(product%pairs(row) + 1), i, j, k
 
-    n = size(product%gap)
-    pairs = product%pairs(row)
-    s = min(product%phase(row) + [(j, j=0, pairs - 1)], mesh%pair%contact_ratio)
-    do j = 1, pairs
-      own = n*(j - 1) + [(i, i=1, n)]
-      width(own) = product%bounds(1:) - product%bounds(:n - 1)
-      gap(own) = product%gap
-      if (allocated(mesh%profile_error%breaks)) gap(own) = product%gap + mesh%profile_error%value(s(j))
-      square(own) = mesh%half_width(s(j), 1.0_dp)**2
-      compliance(own, own) = of_line(s(j))
-      do k = j + 1, pairs
-        compliance(own, own + n*(k - j)) = between_lines(s(j), k - j)
-        compliance(own + n*(k - j), own) = compliance(own, own + n*(k - j))
-      end do
+    law = of_face
+    call place_lines(mesh, load, row, product, law, line)
+    slant = mesh%slant()
+    first = [1, (1 + sum([(size(line(k)%s), k=1, j)]), j=1, size(line))]
+    associate (n => first(size(first)) - 1)
+      allocate (width(n), gap(n), line_load(n), square(n), compliance(n, n))
+    end associate
+    do j = 1, size(line)
+      associate (own => [(i, i=first(j), first(j + 1) - 1)], s => line(j)%s, bounds => line(j)%bounds)
+        if (size(own) == 0) cycle
+        width(own) = (bounds(1:) - bounds(:size(own) - 1))/slant
+        gap(own) = gap_of(line(j))
+        if (allocated(mesh%profile_error%breaks)) gap(own) = gap(own) + [(mesh%profile_error%value(s(i)), i=1, size(s))]
+        square(own) = mesh%half_width(s, 1.0_dp)**2
+        compliance(own, own) = of_line(line(j))
+        do k = j + 1, size(line)
+          associate (other => [(i, i=first(k), first(k + 1) - 1)])
+            if (size(other) == 0) cycle
+            compliance(own, other) = between_lines(line(j), line(k), k - j)
+            compliance(other, own) = transpose(compliance(own, other))
+          end associate
+        end do
+      end associate
     end do
     associate (module => mesh%pair%gear(1)%spec%module)
       flat = flat_t(2/pi*sum(1/[mesh%tooth%modulus]), square/module**2)
-      call solve_contact(module*compliance, width, gap, flat, load, product%error(row), line_load, product%stiffness(row), error)
+      call solve_contact(module*compliance, width, gap*slant, flat, load/slant, product%error(row), line_load, &
+                         product%stiffness(row), error)
     end associate
     if (allocated(error)) return
     turn = sum([mesh%tooth%turn])/mesh%width
-    product%error(row) = product%error(row) + turn*load
+    product%error(row) = product%error(row)/slant + turn*load
+    product%stiffness(row) = product%stiffness(row)*slant**2
     product%stiffness(row) = product%stiffness(row)/(1 + turn*product%stiffness(row))
-    product%line_load(:, :pairs, row) = reshape(line_load, [n, pairs])
+    do j = 1, size(line)
+      associate (w => line_load(first(j):first(j + 1) - 1), a => square(first(j):first(j + 1) - 1), bounds => product%bounds)
+        product%path(:, j, row) = line(j)%start - mesh%pair%lag()*product%middle()
+        if (size(w) == 0) cycle
+        if (mesh%pair%overlap_ratio > 0) then
+          product%line_load(:, j, row) = line(j)%onto_face(w, bounds)
+        else
+          product%path(:, j, row) = min(product%phase(row) + j - 1, mesh%pair%contact_ratio)
+          product%line_load(:, j, row) = w
+        end if
+      end associate
+    end do
+    product%contact(row) = sum(width, mask=line_load > 0)/sum(width)
     where (line_load > 0) line_load = 2*sqrt(line_load/square)/pi
-    product%pressure(:, :pairs, row) = reshape(line_load, [n, pairs])
+    do j = 1, size(line)
+      associate (p => line_load(first(j):first(j + 1) - 1), bounds => line(j)%bounds)
+        do i = 1, size(p)
+          where (product%bounds(1:) > bounds(i - 1) .and. product%bounds(:size(product%gap) - 1) < bounds(i)) &
+            product%pressure(:, j, row) = max(product%pressure(:, j, row), p(i))
+        end do
+      end associate
+    end do
     product%factor(row) = largest_mean(product%bounds, product%load_at(row), mesh%pair%gear(1)%spec%module)/(load/mesh%width)
 
   contains
 
-    !> Compliance of both gears over the slices of the line at `s`, 1/Pa.
-    pure function of_line(s)
-      real(dp), intent(in) :: s
-      real(dp) :: of_line(n, n), shared
+    !> Gap of the flanks over the slices of a line, without profile error, m.
+    pure function gap_of(line) result(gap)
+      type(line_t), intent(in) :: line
+      real(dp) :: gap(size(line%s))
+      real(dp) :: shaft_gap(size(product%gap) + size(gap))
+
+      gap = alignment%gap(mesh%width, line%middles())
+      if (.not. present(shaft)) return
+      ! From the place of the face where the shaft leaves no gap.
+      shaft_gap = shaft%gap(load, mesh%width, [product%middle(), line%middles()])
+      associate (n => size(product%gap))
+        gap = gap + (shaft_gap(n + 1:) - minval(shaft_gap(:n)))
+      end associate
+    end function gap_of
+
+    !> Compliance of both gears over the slices of a line, 1/Pa.
+    pure function of_line(line)
+      type(line_t), intent(in) :: line
+      real(dp) :: of_line(size(line%s), size(line%s)), remainder(size(line%s)), shared(size(line%s))
+      type(line_law_t) :: terms
       integer :: i
 
       of_line = 0
       do i = 1, 2
-        associate (tooth => mesh%tooth(i))
-          shared = tooth%modulus*shared_at(tooth, s)
-          of_line = of_line + law(i)%of_tooth(tooth_remainder(tooth%modulus*tooth%compliance%value(s), shared), shared) &
-                    /tooth%modulus
-        end associate
+        call mesh%at_plane(i, line%s, remainder, shared)
+        terms = law(i)%of_line(line%list)
+        of_line = of_line + terms%of_tooth(remainder, shared)/mesh%tooth(i)%modulus
       end do
     end function of_line
 
-    !> Compliance that the line at `s` shares with the one `later` teeth after it, 1/Pa.
-    pure function between_lines(s, later) result(shared)
-      real(dp), intent(in) :: s
+    !> Compliance that a line shares with the one `later` teeth after it, 1/Pa.
+    pure function between_lines(line, next, later) result(shared)
+      type(line_t), intent(in) :: line, next
       integer, intent(in) :: later
-      real(dp) :: shared(n, n)
-      integer :: i
+      real(dp) :: shared(size(line%s), size(next%s)), here(size(line%s)), there(size(next%s))
+      integer :: i, j
 
       shared = 0
       do i = 1, 2
-        associate (tooth => mesh%tooth(i))
-          shared = shared + (tooth%shared%value(s) - merge(tooth%decline, 0.0_dp, later > 1))*law(i)%body
+        here = with_next(i, line%s, later)
+        there = with_next(i, line%start - mesh%pair%lag()*next%middles(), later)
+        associate (term => law(i)%between(line%list, next%list))
+          do j = 1, size(there)
+            shared(:, j) = shared(:, j) + mean_of(here, there(j))*term(:, j)
+          end do
         end associate
       end do
     end function between_lines
+
+    !> What a tooth of a gear shares with the one `later` teeth after it, m2/N, at path coordinates `s` of the earlier tooth.
+    pure function with_next(gear, s, later) result(shared)
+      integer, intent(in) :: gear, later
+      real(dp), intent(in) :: s(:)
+      real(dp) :: shared(size(s)), none(size(s))
+      integer :: i
+
+      associate (of => mesh%tooth(gear)%shared)
+        shared = [(of%value(min(max(s(i), 0.0_dp), of%breaks(size(of%breaks)))), i=1, size(s))]
+      end associate
+      if (later > 1) shared = mesh%tooth(gear)%beyond
+      none = 0
+      call make_oblique(tan(mesh%pair%gear(1)%spec%helix_angle), none, shared)
+    end function with_next
   end subroutine solve_phase
 
   !> Computes the factors of all phases.
@@ -308,6 +508,14 @@ contains
       edge = [load_between(b, mean, 0.0_dp, m), load_between(b, mean, mesh%width - m, mesh%width)]
       product%edge_load = maxval(edge)/(m*per)
     end associate
+    product%largest_pressure = maxval(product%pressure)
+    spread = root_spread(product%bounds/mesh%pair%gear(1)%spec%module)
+    if (mesh%pair%overlap_ratio > 0) then
+      product%single_factor = product%mean_factor
+      product%in_contact = sum(product%share*product%contact)
+      product%root_factor = root_factor(mean)
+      return
+    end if
     ! The last interval, from B to D.
     last = size(product%phase)
     first = findloc(product%pairs, product%pairs(last), 1)
@@ -316,14 +524,12 @@ contains
     associate (n => size(product%gap))
       product%in_contact = sum(product%bounds(1:) - product%bounds(:n - 1), mask=product%load_at(single) > 0)/mesh%width
     end associate
-    product%largest_pressure = maxval(product%pressure)
-    spread = root_spread(product%bounds/mesh%pair%gear(1)%spec%module)
     product%root_factor = max(root_factor(product%line_load(:, product%pairs(last), last)), &
                               root_factor(product%line_load(:, 1, first)))
 
   contains
 
-    !> Largest root stress under the loads of one line over that of their mean.
+    !> Largest root stress under a line load over that of its mean.
     pure real(dp) function root_factor(line_load) result(factor)
       real(dp), intent(in) :: line_load(:)
 

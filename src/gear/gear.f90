@@ -5,10 +5,10 @@
 module gearsweep_gear_gear
   use gearsweep_base, only: bracket_t, code_input, dp, error_t, fail, pi, str
   use gearsweep_gear_rack, only: check_rack_tip, coast, drive, fillet_undercut, gear_spec_t, generating_shift, least_shift, &
-    reference_radius, straight_end, transverse_angle, trochoid_parameter, trochoid_point
+    reference_radius, straight_end, teeth_around, transverse_angle, trochoid_parameter, trochoid_point
   implicit none
   private
-  public :: gear_t, gear_spec_t, make_gear, involute, chamfer_base, tip_quantity, drive, coast
+  public :: gear_t, gear_spec_t, make_gear, make_virtual_gear, involute, chamfer_base, tip_quantity, drive, coast
 
   !> Gear with the dimensions that follow from its specification.
   type :: gear_t
@@ -90,6 +90,29 @@ contains
                 ' mm thick; must leave some of it')
     end if
   end subroutine make_gear
+
+  !> Makes the virtual gear of a helical gear: the spur gear of its normal section, whose rack is the same. It has
+  !> z_n = z/(cos(beta_b)**2 cos(beta)) teeth (ISO 21771:2007, section 4); `is_whole`: rounded, for a body all around. The tip is as
+  !> far from the reference circle; the bore is the same part of it, which turns alike under a couple.
+  subroutine make_virtual_gear(gear, is_whole, virtual, error)
+    type(gear_t), intent(in) :: gear
+    logical, intent(in) :: is_whole
+    type(gear_t), intent(out) :: virtual
+    type(error_t), allocatable, intent(out) :: error
+    type(gear_spec_t) :: spec
+
+    spec = gear%spec
+    spec%virtual_teeth = spec%teeth/(cos(gear%base_helix())**2*cos(spec%helix_angle))
+    spec%teeth = nint(spec%virtual_teeth)
+    if (is_whole) spec%virtual_teeth = spec%teeth
+    spec%helix_angle = 0
+    associate (farther => reference_radius(spec) - gear%reference_radius)
+      if (spec%tip_diameter > 0) spec%tip_diameter = spec%tip_diameter + 2*farther
+      if (spec%tip_form_diameter > 0) spec%tip_form_diameter = spec%tip_form_diameter + 2*farther
+    end associate
+    spec%bore_radius = spec%bore_radius*reference_radius(spec)/gear%reference_radius
+    call make_gear(spec, virtual, error)
+  end subroutine make_virtual_gear
 
   subroutine check_spec(spec, error)
     type(gear_spec_t), intent(in) :: spec
@@ -278,8 +301,8 @@ contains
     real(dp), intent(in) :: radius
 
     associate (angle => gear%spec%pressure_angle(side))
-      half_angle = (pi/2 + 2*generating_shift(gear%spec)*tan(angle))/gear%spec%teeth + involute(gear%transverse_angle(side)) &
-                   - involute(acos(min(1.0_dp, gear%base_radius(side)/radius)))
+      half_angle = (pi/2 + 2*generating_shift(gear%spec)*tan(angle))/teeth_around(gear%spec) &
+                   + involute(gear%transverse_angle(side)) - involute(acos(min(1.0_dp, gear%base_radius(side)/radius)))
     end associate
   end function half_angle
 

@@ -4,11 +4,11 @@
 !> (the contact ratio), in base pitches. Gear 1 is the pinion, which drives.
 module gearsweep_gear_pair
   use gearsweep_base, only: bracket_t, code_input, dp, error_t, fail, pi, str
-  use gearsweep_gear_gear, only: coast, drive, gear_t, involute, tip_quantity
-  use gearsweep_gear_rack, only: fillet_undercut, generating_shift, least_shift
+  use gearsweep_gear_gear, only: coast, drive, gear_t, involute, make_virtual_gear, tip_quantity
+  use gearsweep_gear_rack, only: fillet_undercut, generating_shift, least_shift, teeth_around
   implicit none
   private
-  public :: pair_t, make_pair, free_centre_distance, tip_alteration
+  public :: pair_t, make_pair, free_centre_distance, tip_alteration, normal_section
 
   character(*), parameter :: names(2) = ['pinion', 'gear  ']
   !> Largest interference, in modules on the centre distance, that counts as no backlash: profile shifts have four digits, and
@@ -32,6 +32,8 @@ module gearsweep_gear_pair
     logical :: may_shorten = .false.             !< true: the path may end where undercut ends an involute
     real(dp) :: lost(2) = 0                      !< reduction of the path of contact by undercut of each gear, m
   contains
+    procedure :: total_contact_ratio
+    procedure :: lag
     procedure :: curvature
     procedure :: radius
     procedure :: sliding_speed
@@ -263,6 +265,47 @@ contains
         trim(merge(' on the coast flanks', repeat(' ', 20), side == coast))//'; at most '//str(deepest)//' mm')
     end if
   end subroutine check_flank
+
+  !> Finds the virtual gears of a helical pair and the curvatures of their flanks in contact: those of the normal section over the
+  !> same path coordinate, rho/cos(beta_b). A spur pair is its own. The result is no pair that runs: its base pitch and centre
+  !> distance serve for the curvatures alone.
+  subroutine normal_section(pair, is_whole, normal, error)
+    type(pair_t), intent(in) :: pair
+    logical, intent(in) :: is_whole              !< as of `make_virtual_gear`
+    type(pair_t), intent(out) :: normal
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: farther(2)
+    integer :: i
+
+    normal = pair
+    if (.not. pair%overlap_ratio > 0) return
+    do i = 1, 2
+      call make_virtual_gear(pair%gear(i), is_whole, normal%gear(i), error)
+      if (allocated(error)) return
+    end do
+    associate (slant => cos(pair%gear(1)%base_helix()), spec => normal%gear%spec, helix => pair%gear%spec%helix_angle)
+      ! By as much as rounding of the number of teeth moves the pitch line's place on the line of action.
+      farther = (teeth_around(spec) - pair%gear%spec%teeth/(slant**2*cos(helix)))*spec%module/2*sin(spec%pressure_angle(drive))
+      normal%base_pitch = pair%base_pitch/slant
+      normal%start_curvature = pair%start_curvature/slant + farther(1)
+      normal%centre_distance = pair%centre_distance/slant + sum(farther)/sin(pair%working_angle(drive))
+    end associate
+  end subroutine normal_section
+
+  !> Total contact ratio epsilon_gamma.
+  elemental real(dp) function total_contact_ratio(pair) result(ratio)
+    class(pair_t), intent(in) :: pair
+
+    ratio = pair%contact_ratio + pair%overlap_ratio
+  end function total_contact_ratio
+
+  !> Fall of the path coordinate along a line of contact per length of the face, 1/m: tan(beta_b)/p_bt; 0 for spur gears. The line
+  !> enters contact where z = 0.
+  elemental real(dp) function lag(pair)
+    class(pair_t), intent(in) :: pair
+
+    lag = pair%overlap_ratio/minval(pair%gear%spec%face_width)
+  end function lag
 
   !> Radius of curvature (m) of a gear's drive flank at path coordinate s.
   elemental real(dp) function curvature(pair, gear, s)

@@ -11,7 +11,7 @@ module gearsweep_gear_rack
   implicit none
   private
   public :: gear_spec_t, generating_shift, fillet_undercut, check_rack_tip, straight_end, least_shift, reference_radius, &
-            transverse_angle
+            teeth_around, transverse_angle
   public :: corner_depth, corner_place, trochoid_point, trochoid_parameter
 
   integer, parameter, public :: drive = 1, coast = 2
@@ -39,6 +39,7 @@ module gearsweep_gear_rack
     real(dp) :: pin_diameter = 0                 !< pin diameter for measuring, m; 0: one with contact at or near the V circle
     !> Helix angle on the reference circle, rad, positive: right-handed; 0: a spur gear, which all rooms but this one are for.
     real(dp) :: helix_angle = 0
+    real(dp) :: virtual_teeth = 0                !< of the virtual gear of a helical gear: z_n, with a fraction; 0: `teeth`
   end type gear_spec_t
 
 contains
@@ -52,11 +53,19 @@ contains
     if (abs(helix_angle) > 0) angle = atan(tan(normal_angle)/cos(helix_angle))
   end function transverse_angle
 
+  !> Number of pitches around the gear: the number of teeth, of a virtual gear with a fraction.
+  elemental real(dp) function teeth_around(spec) result(teeth)
+    type(gear_spec_t), intent(in) :: spec
+
+    teeth = spec%teeth
+    if (spec%virtual_teeth > 0) teeth = spec%virtual_teeth
+  end function teeth_around
+
   !> Reference radius r = z m_n/(2 cos(beta)) (m).
   elemental real(dp) function reference_radius(spec) result(radius)
     type(gear_spec_t), intent(in) :: spec
 
-    radius = spec%teeth*spec%module/2*transverse_factor(spec)
+    radius = teeth_around(spec)*spec%module/2*transverse_factor(spec)
   end function reference_radius
 
   !> Length along the pitch line in the transverse section over that in the normal section, 1/cos(beta); without the cosine for
@@ -134,7 +143,7 @@ contains
     integer, intent(in) :: side
 
     associate (angle => transverse_angle(spec%pressure_angle(side), spec%helix_angle))
-      shift = straight_depth(spec, side) - spec%teeth*transverse_factor(spec)*sin(angle)**2/2 - spec%thinning
+      shift = straight_depth(spec, side) - teeth_around(spec)*transverse_factor(spec)*sin(angle)**2/2 - spec%thinning
     end associate
   end function least_shift
 

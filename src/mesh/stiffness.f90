@@ -107,16 +107,18 @@ contains
     type(iso_options_t), intent(in), optional :: options
     type(iso_options_t) :: extra
     real(dp), parameter :: steel = 206e9_dp, threshold = 100e3_dp, correction = 0.8_dp
-    real(dp) :: rack, largest, bend
+    real(dp) :: rack, largest, bend, teeth(2)
 
     if (present(options)) extra = options
     associate (spec => pair%gear%spec)
+      ! Of helical gears by the virtual numbers of teeth.
+      teeth = spec%teeth/(cos(pair%gear%base_helix())**2*cos(spec%helix_angle))
       rack = (1 + 0.5_dp*(1.2_dp - sum(spec%dedendum)/2)) &
              *(1 - 0.02_dp*(20 - spec(1)%pressure_angle(drive)*57.29577951308232_dp))
       largest = 1e9_dp/flexibility()*correction*rack*harmonic_mean(material(1)%young, material(2)%young)/steel &
-                *min(1.0_dp, extra%application_factor*line_load*cos(spec(1)%pressure_angle(drive))/threshold)**0.25_dp &
+                *min(1.0_dp, extra%application_factor*line_load*cos(pair%gear(1)%transverse_angle(drive))/threshold)**0.25_dp &
                 *minval(gear_blank_factor(extra%web_thickness, extra%rim_thickness, spec%face_width, spec%module)) &
-                *minval(spec%face_width)
+                *cos(spec(1)%helix_angle)*minval(spec%face_width)
     end associate
     bend = 0.75_dp*(1 - 1/pair%contact_ratio)
     curve = polynomial(0.0_dp, pair%contact_ratio, largest*[1.0_dp, 0.0_dp, -bend])
@@ -126,7 +128,7 @@ contains
 
     !> Flexibility q' of the standard's thin-slice teeth, mm um/N.
     pure real(dp) function flexibility() result(q)
-      associate (x => pair%gear%spec%profile_shift, z => real(pair%gear%spec%teeth, dp))
+      associate (x => pair%gear%spec%profile_shift, z => teeth)
         q = 0.04723_dp + 0.15551_dp/z(1) + 0.25791_dp/z(2) &
             - 0.00635_dp*x(1) - 0.11654_dp*x(1)/z(1) - 0.00193_dp*x(2) - 0.24188_dp*x(2)/z(2) &
             + 0.00529_dp*x(1)**2 + 0.00182_dp*x(2)**2

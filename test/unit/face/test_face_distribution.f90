@@ -74,12 +74,13 @@ contains
     if (t%wants('refused')) call refused(t)
   end subroutine run
 
-  !> A pair of gears; lengths in mm.
-  subroutine make(t, teeth, shift, module, width, pair)
+  !> A pair of gears; lengths in mm. `addendum` in modules; absent: 1.
+  subroutine make(t, teeth, shift, module, width, pair, addendum)
     type(tally_t), intent(inout) :: t
     integer, intent(in) :: teeth(2)
     real(dp), intent(in) :: shift(2), module, width
     type(pair_t), intent(out) :: pair
+    real(dp), intent(in), optional :: addendum
     type(gear_spec_t) :: spec
     type(gear_t) :: gear(2)
     type(error_t), allocatable :: error
@@ -90,6 +91,9 @@ contains
       spec%module = module/1000
       spec%profile_shift = shift(i)
       spec%face_width = width/1000
+      if (present(addendum)) spec%addendum = addendum
+      if (present(addendum)) spec%dedendum = addendum + 0.25_dp
+      if (present(addendum)) spec%rack_tip_radius = 0.2_dp
       call make_gear(spec, gear(i), error)
       call check_no_error(t, 'gear', error)
     end do
@@ -338,29 +342,36 @@ contains
     call check_close(t, 'deflection', found(2)%error(1), 3*found(1)%error(1), 1e-9_dp)
   end subroutine scale
 
-  !> Pinion and gear change places: one outer point of single contact becomes the other, and no factor changes.
+  !> Pinion and gear change places: one outer point of single contact becomes the other, and no factor changes. The high teeth of
+  !> the second pair have a contact ratio above 2, so that pairs that are not neighbours share their bodies too.
   subroutine exchanged(t)
     type(tally_t), intent(inout) :: t
-    integer, parameter :: teeth(2) = [17, 61]
+    integer, parameter :: teeth(2, 2) = reshape([17, 61, 33, 61], [2, 2])
     type(pair_t) :: pair
     type(material_t) :: steel(2)
+    type(fe_options_t) :: options
     type(face_mesh_t) :: face
     type(face_load_t) :: found(2)
     type(alignment_t) :: alignment
     type(error_t), allocatable :: error
-    integer :: i
+    integer :: i, k
 
     alignment%misalignment = 20e-6_dp
-    do i = 1, 2
-      call make(t, [teeth(i), teeth(3 - i)], none, 2.0_dp, 20.0_dp, pair)
-      call make_face_mesh(pair, steel, fe_options_t(), face, error)
-      call check_no_error(t, 'mesh', error)
-      call find_face_load(face, alignment, 150e3_dp*face%width, found(i), error)
-      call check_no_error(t, 'load', error)
+    options%section%teeth = 7
+    do k = 1, 2
+      do i = 1, 2
+        call make(t, [teeth(i, k), teeth(3 - i, k)], none, 2.0_dp, 20.0_dp, pair, merge(1.0_dp, 1.3_dp, k == 1))
+        call make_face_mesh(pair, steel, options, face, error)
+        call check_no_error(t, 'mesh', error)
+        call find_face_load(face, alignment, 150e3_dp*face%width, found(i), error)
+        call check_no_error(t, 'load', error)
+      end do
+      call check_true(t, 'pairs', maxval(found(1)%pairs) == k + 1)
+      call check_close(t, 'K_F beta', found(2)%root_factor, found(1)%root_factor, 1e-9_dp)
+      call check_close(t, 'K_H beta', found(2)%single_factor, found(1)%single_factor, 1e-9_dp)
+      call check_close(t, 'pressure', found(2)%largest_pressure, found(1)%largest_pressure, 1e-9_dp)
+      call check_close(t, 'mean error', mean_error(found(2)), mean_error(found(1)), 1e-9_dp)
     end do
-    call check_close(t, 'K_F beta', found(2)%root_factor, found(1)%root_factor, 1e-9_dp)
-    call check_close(t, 'K_H beta', found(2)%single_factor, found(1)%single_factor, 1e-9_dp)
-    call check_close(t, 'pressure', found(2)%largest_pressure, found(1)%largest_pressure, 1e-9_dp)
   end subroutine exchanged
 
   !> 1500 random pairs, from light to heavy loads: each has a solution, loads add up, K_H beta is at least 1, and the misalignment
