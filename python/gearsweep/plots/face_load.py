@@ -63,13 +63,16 @@ def plot_contact_pattern(
     load = table_of(load, 'face_load')
     study = load.study
     relief, bounds, phase, s, (pressure,) = _lines(load, relief_um, 'pressure_mpa')
-    # Along the path of one pair; where the number of pairs changes, s has both sides.
-    order = np.lexsort((np.arange(len(s)), np.round(s - phase)))
-    pressure = pressure[order]
+    # Along the path of one pair; where the number of pairs changes, s has both sides. Oblique lines cross the face while they move.
+    order = np.lexsort((np.arange(len(s)), np.round(s[:, 0] - phase)))
+    pressure, s = pressure[order], s[order]
     between = (pressure[1:] + pressure[:-1]) / 2
+    middle = (bounds[1:] + bounds[:-1]) / 2
+    lag = (s[:, :1] - s[:, -1:]) / (middle[-1] - middle[0])
+    place = np.clip(s[:, :1] - lag * (bounds - middle[0]), *study.contact_points.s[[0, -1]])
     with canvas(ax, height=70 * MM) as ax:
-        shades = ax.pcolormesh(bounds, _diameter(study, gear, s[order]), np.ma.masked_equal(between, 0), cmap=_compound(), vmin=0,
-                               vmax=load.pressure_mpa.max(), rasterized=True)  # fmt: skip
+        shades = ax.pcolormesh(np.broadcast_to(bounds, place.shape), _diameter(study, gear, place), np.ma.masked_equal(between, 0),
+                               cmap=_compound(), vmin=0, vmax=load.pressure_mpa.max(), rasterized=True)  # fmt: skip
         for name, place in zip(study.contact_points.point, _diameter(study, gear, study.contact_points.s)):
             if name not in 'AE':
                 ax.axhline(place, color=FAINT, linewidth=0.5)
@@ -84,8 +87,8 @@ def plot_contact_pattern(
 
 
 def plot_face_load(load: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
-    """Draws the load of all pairs over the face width at the worst phase and in the middle of contact of the fewest pairs, with the
-    mean.
+    """Draws the load of all pairs over the face width at the worst phase and in the middle of contact of the fewest pairs, of helical
+    gears the mean over the mesh period, with the mean.
 
     A bar one module wide is the largest load on a module of the face: its ratio to the mean is K_H_beta. Otherwise like
     `plot_contact_pattern`.
@@ -97,11 +100,16 @@ def plot_face_load(load: Study | Table, ax: Axes | None = None, *, relief_um: fl
     pairs, labels = phases.pairs[mine], _labels(load.study)
     totals = np.add.reduceat(line_load, np.append(0, np.cumsum(pairs)[:-1]))
     fewest = np.flatnonzero(pairs == pairs.min())
-    shown = {'worst_face_load_factor': phases.face_load_factor[mine].argmax(), 'face_load_factor': (fewest[0] + fewest[-1]) // 2}
+    shown = {
+        'worst_face_load_factor': totals[phases.face_load_factor[mine].argmax()],
+        'face_load_factor': totals[(fewest[0] + fewest[-1]) // 2],
+    }
+    if _is_helical(load.study):
+        shown['face_load_factor'] = np.diff(phases.mesh_phase[mine]) @ (totals[1:] + totals[:-1]) / 2
     module = load.case.get('pair', 'module_mm')
     with canvas(ax) as ax:
-        for column, row in shown.items():
-            total, look = totals[row], LOOKS[column]
+        for column, total in shown.items():
+            look = LOOKS[column]
             ax.stairs(total, bounds, baseline=None, **look, linewidth=1.1, label=f'{labels[column]} = {summary[column]:.3f}')
             ax.plot(*_largest_on(bounds, total, module), color=look['color'], **MODULE)
         mean = np.dot(total, np.diff(bounds)) / (bounds[-1] - bounds[0])
@@ -155,14 +163,14 @@ def compare_face_loads(studies: Sequence[Study], ax: Axes | None = None, *, reli
 
 
 def _lines(load: Table, relief_um: float | None, *columns: str) -> tuple[float, Reals, Reals, Reals, list[Reals]]:
-    """Returns the relief; the bounds of the slices (mm); phase and path coordinate of each line of contact; and columns by line and slice."""
+    """Returns the relief; the bounds of the slices (mm); the phase of each line of contact; and path coordinate and columns by line and slice."""
     relief = select_value(load.relief_um, relief_um, 'relief_um')
     mine = np.isclose(load.relief_um, relief)
     slices = len(np.unique(load.z_mm[mine]))
     width = load.slice_mm[mine][:slices]
     bounds = np.append(0, np.cumsum(width))
     values = [load[column][mine].reshape(-1, slices) for column in ('mesh_phase', 's', *columns)]
-    return relief, bounds, values[0][:, 0], values[1][:, 0], values[2:]
+    return relief, bounds, values[0][:, 0], values[1], values[2:]
 
 
 def _largest_on(bounds: Reals, line_load: Reals, length: float) -> tuple[Reals, Reals]:
@@ -177,12 +185,19 @@ def _largest_on(bounds: Reals, line_load: Reals, length: float) -> tuple[Reals, 
 def _diameter(study: Study, gear: str, s: Reals) -> Reals:
     """Returns the diameters (mm) of a gear that touch at these places of the path of contact."""
     centre = 0 if gear == 'pinion' else study.geometry.centre_distance_mm
-    return 2 * np.hypot(*(contact_path(study, s) - [0, centre]).T)
+    return 2 * np.hypot(*(contact_path(study, s.ravel()) - [0, centre]).T).reshape(s.shape)
+
+
+def _is_helical(study: Study) -> bool:
+    """True for helical gears, whose K_H_beta is that of the mean load."""
+    return bool(study.case.get('pair', 'helix_angle_deg', 0))
 
 
 def _labels(study: Study) -> dict[str, str]:
     """Names the columns of `LOOKS`."""
     fewest = 'single contact' if study.face_load_phases.pairs.min() == 1 else 'fewest pairs'
+    if _is_helical(study):
+        fewest = 'mean of the period'
     return dict(zip(LOOKS, ('worst phase, $K_{Hβ}$', f'{fewest}, $K_{{Hβ}}$', 'root, $K_{Fβ}$', 'ISO 6336-1 method C, $K_{Hβ}$')))
 
 

@@ -76,6 +76,7 @@ module gearsweep_study_case_case
     procedure :: has_relief
     procedure :: needs
     procedure :: needs_face_load
+    procedure :: is_helical
     procedure :: tasks_for
     procedure :: needs_elements
     procedure :: stiffness_body
@@ -102,6 +103,13 @@ contains
 
     needs_face_load = case%requests('face_load') .or. (case%faces%are_uneven() .and. case%needs(stage%face))
   end function needs_face_load
+
+  !> True for helical gears.
+  pure logical function is_helical(case)
+    class(case_t), intent(in) :: case
+
+    is_helical = any(abs(case%spec%helix_angle) > 0)
+  end function is_helical
 
   !> Requests these tasks and no others.
   subroutine request(self, tasks)
@@ -200,7 +208,7 @@ contains
   pure logical function has_corner_contact(self)
     class(case_t), intent(in) :: self
 
-    has_corner_contact = self%corner_contact .and. self%models_teeth()
+    has_corner_contact = self%corner_contact .and. self%models_teeth() .and. .not. self%is_helical()
   end function has_corner_contact
 
   !> True if a gear's mass is computed from its body, as neither mass nor inertia is stated.
@@ -208,7 +216,7 @@ contains
     class(case_t), intent(in) :: self
     integer, intent(in) :: gear
 
-    computes_mass = self%needs(stage%mesh) .and. .not. (self%mass(gear) > 0 .or. self%inertia(gear) > 0)
+    computes_mass = self%needs(stage%mesh) .and. .not. (self%mass(gear) > 0 .or. self%inertia(gear) > 0 .or. self%is_helical())
   end function computes_mass
 
   !> Number of speeds of the sweep.

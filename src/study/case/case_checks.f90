@@ -1,6 +1,6 @@
 !> Checks of combinations of the keys of a case.
 module gearsweep_study_case_case_checks
-  use gearsweep_base, only: code_input, dp, error_t, fail, str
+  use gearsweep_base, only: code_input, dp, error_t, fail, pi, str
   use gearsweep_motion, only: most_points
   use gearsweep_study_case_case, only: case_t
   use gearsweep_study_case_task, only: case_facts_t, stage
@@ -58,6 +58,10 @@ contains
 
     if (case%prescribed) return
     if (case%model /= 'fe') call fail(error, code_input, tasks//'&mesh model = ''fe''')
+    if (abs(case%spec(1)%helix_angle) > 30.001_dp*pi/180) call fail(error, code_input, '&pair helix_angle_deg = '// &
+      str(abs(case%spec(1)%helix_angle)*180/pi)//': the load over the face width is known up to 30')
+    if (abs(case%spec(1)%helix_angle) > 0 .and. case%section%teeth >= minval(case%spec%teeth)) call fail(error, code_input, &
+      '&section teeth = '//str(case%section%teeth)//': must be 0, for whole gears, or fewer than helical gears have')
     if (.not. case%section%plane_strain) call fail(error, code_input, tasks//'&section plane = ''strain''')
     if (case%has_support .and. .not. case%section%fixed_rim) call fail(error, code_input, tasks// &
       'bodies held inside, &section fixed = ''sides'', ''rim''')

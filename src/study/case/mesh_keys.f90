@@ -187,8 +187,8 @@ contains
                     meaning='whether the load on a tooth moves the next one on the same body, with '// &
                     'model = ''fe''; papers whose pairs of teeth are springs side by side leave it out')
     call reader%get('mesh', 'corner_contact', case%corner_contact, error, tasks=case%tasks_for(stage%mesh), not_allowed=geared, &
-                    unused_without=first_nonblank(for_stage(case, stage%mesh), text_unless(case%models_teeth(), &
-                    'model = ''fe'', ''weber'' or ''iso6336''')), &
+                    unused_without=first_nonblank(for_stage(case, stage%mesh), text_unless(case%models_teeth() .and. .not. &
+                    case%is_helical(), 'model = ''fe'', ''weber'' or ''iso6336'' and spur gears')), &
                     meaning='whether a loaded pair may touch before A and behind E too, where the tip corner of one tooth '// &
                     'meets the other''s flank, with model = ''fe'', ''weber'' or ''iso6336''; papers whose contact ends at A '// &
                     'and E leave it out')

@@ -1,12 +1,12 @@
 !> Variation of a case by its numbers: their names, units and values, and the oscillator that they lead to.
 module gearsweep_study_run_case_variation
-  use gearsweep_base, only: code_input, dp, error_t, fail, str
+  use gearsweep_base, only: code_input, dp, error_t, fail, piecewise_t, str
   use gearsweep_gear, only: add_corners, drive, profile_error, relief_t
   use gearsweep_motion, only: make_oscillator, mesh_period, oscillator_t
   use gearsweep_study_run_inputs, only: motions_inputs_t, relief_inputs_t
   implicit none
   private
-  public :: case_variation_t, with_relief, build_motion, largest_relief, relief_start
+  public :: case_variation_t, with_relief, build_motion, find_profile_error, largest_relief, relief_start
 
   integer, parameter, public :: vary_rpm = 1, vary_damping = 2, vary_relief = 3, vary_force = 4, vary_friction = 5, &
     vary_mass(2) = [6, 7], vary_stiffness = 8, vary_amount(2) = [9, 10], vary_start(2) = [11, 12], vary_profile = 13, &
@@ -130,7 +130,6 @@ contains
     real(dp), intent(in) :: amount
     type(oscillator_t), intent(out) :: motion
     type(error_t), allocatable, intent(out) :: error
-    type(relief_t) :: relief
 
     associate (of => inputs%motion)
       motion%mesh%contact_ratio = of%relief%contact_ratio
@@ -145,20 +144,7 @@ contains
       if (allocated(inputs%profile_error%breaks)) then
         motion%mesh%profile_error = inputs%profile_error
       else
-        relief%amount = amount*of%relief%fraction
-        relief%start = relief_start(of%relief)
-        relief%shape = of%relief%shape
-        if (amount > 0 .and. of%relief%start == 'hpstc' .and. .not. modulo(of%relief%contact_ratio, 1.0_dp) > 0) then
-          call fail(error, code_input, '&relief start = ''hpstc'': short relief has no room at a contact ratio of '// &
-                    str(of%relief%contact_ratio)//'; use start = ''pitch'' or length_mm')
-        else if (amount > deepest_relief(of%relief)) then
-          call fail(error, code_input, '&relief amount_um = '//str(1e6_dp*amount)// &
-            ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(of%relief)))
-        else
-          call profile_error(relief, of%relief%contact_ratio, motion%mesh%profile_error, error)
-          if (.not. (allocated(error) .or. of%relief%prescribed)) call add_corners(of%relief%pair, relief, of%reach, &
-            motion%mesh%profile_error)
-        end if
+        call find_profile_error(of%relief, amount, motion%mesh%profile_error, error, of%reach)
         if (allocated(error)) return
       end if
       motion%mass = of%mass
@@ -170,6 +156,30 @@ contains
     end associate
     call make_oscillator(motion, error)
   end subroutine build_motion
+
+  !> Computes the profile error (m over s) of an amount of relief (m), with what the tip corners add up to the `reach` of contact.
+  subroutine find_profile_error(inputs, amount, curve, error, reach)
+    type(relief_inputs_t), intent(in) :: inputs
+    real(dp), intent(in) :: amount
+    type(piecewise_t), intent(out) :: curve
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), intent(in), optional :: reach(2)   !< path coordinates; absent: from A to E
+    type(relief_t) :: relief
+
+    relief%amount = amount*inputs%fraction
+    relief%start = relief_start(inputs)
+    relief%shape = inputs%shape
+    if (amount > 0 .and. inputs%start == 'hpstc' .and. .not. modulo(inputs%contact_ratio, 1.0_dp) > 0) then
+      call fail(error, code_input, '&relief start = ''hpstc'': short relief has no room at a contact ratio of '// &
+                str(inputs%contact_ratio)//'; use start = ''pitch'' or length_mm')
+    else if (amount > deepest_relief(inputs)) then
+      call fail(error, code_input, '&relief amount_um = '//str(1e6_dp*amount)// &
+        ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(inputs)))
+    else
+      call profile_error(relief, inputs%contact_ratio, curve, error)
+      if (present(reach) .and. .not. (allocated(error) .or. inputs%prescribed)) call add_corners(inputs%pair, relief, reach, curve)
+    end if
+  end subroutine find_profile_error
 
   !> Largest amount of relief (m) of a search. Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
   pure real(dp) function largest_relief(inputs) result(largest)

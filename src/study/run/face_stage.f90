@@ -22,15 +22,19 @@ contains
 
     if (allocated(error)) return
     associate (inputs => stages%elements_inputs)
-      call claim_memory(1e5_dp*size(stages%motion), '&relief amount_um: '//str(size(stages%motion))//' reliefs', error)
+      call claim_memory(2e5_dp*size(stages%amount), '&relief amount_um: '//str(size(stages%amount))//' reliefs', error)
       if (allocated(error)) return
       teeth = stages%teeth
       call make_face_mesh(inputs%pair, inputs%material, inputs%options, mesh, error, teeth=teeth)
     end associate
     if (allocated(error)) return
-    allocate (loads(size(stages%motion)))
+    allocate (loads(size(stages%amount)))
     do i = 1, size(loads)
-      mesh%profile_error = stages%motion(i)%mesh%profile_error
+      if (allocated(stages%motion)) then
+        mesh%profile_error = stages%motion(i)%mesh%profile_error
+      else
+        mesh%profile_error = stages%profile_error(i)
+      end if
       call find_face_load(mesh, stages%faces%alignment, stages%load, loads(i), error, stages%faces%slices, stages%faces%shaft)
       if (allocated(error)) return
     end do

@@ -8,7 +8,7 @@ module gearsweep_study_run_mesh_stage
   use gearsweep_study_case_case, only: case_t
   use gearsweep_study_run_files, only: path_in, read_text
   use gearsweep_study_run_inputs, only: elements_inputs_t, motion_inputs_t, motions_inputs_t, relief_inputs_t, same
-  use gearsweep_study_run_case_variation, only: build_motion
+  use gearsweep_study_run_case_variation, only: build_motion, find_profile_error
   use gearsweep_study_run_stages, only: study_t
   implicit none
   private
@@ -148,8 +148,10 @@ contains
     type(pair_t), intent(in) :: pair
     real(dp), intent(in) :: load, s
 
-    half_width = contact_half_width(case%material(1), case%material(2), .true., load/minval(case%spec%face_width), &
-                                    pair%curvature(1, s), pair%curvature(2, s))
+    associate (slant => cos(pair%gear(1)%base_helix()))
+      half_width = contact_half_width(case%material(1), case%material(2), .true., load/minval(case%spec%face_width), &
+                                      pair%curvature(1, s)/slant, pair%curvature(2, s)/slant)
+    end associate
   end function half_width
 
   !> Rim thicknesses (m) at which the sections of pinion and gear end for the pair stiffness by elements, if the case has webs and
@@ -235,6 +237,10 @@ contains
     if (allocated(error)) return
     allocate (study%mesh)
     call place_mesh(study%case, study%pair, study%mesh)
+    if (study%case%is_helical()) then
+      call find_reliefs(study, error)
+      return
+    end if
     if (study%case%model == 'fe') then
       call find_by_elements(study, error, earlier)
     else
@@ -257,6 +263,37 @@ contains
     end do
     if (allocated(study%case%torques) .and. .not. allocated(error)) call find_other_loads(study, folder, error)
   end subroutine mesh_and_motion
+
+  !> Finds the profile errors of helical gears for each relief, and the inputs of the load over their face width. No stiffness of a
+  !> pair over the path alone describes their mesh, so that there is no motion.
+  subroutine find_reliefs(study, error)
+    type(study_t), intent(inout) :: study
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    study%elements_inputs = elements_of(study)
+    call claim_memory((size(study%case%amount) + 1)*8000.0_dp, '&relief amount_um: '//str(size(study%case%amount))//' reliefs', &
+                      error)
+    if (allocated(error)) return
+    call list_inputs(study, study%mesh, study%load, study%motions_inputs)
+    deallocate (study%mesh)
+    allocate (study%profile_error(size(study%case%amount)))
+    do i = 1, size(study%profile_error)
+      call find_profile_error(study%motions_inputs%motion%relief, study%case%amount(i), study%profile_error(i), error)
+      if (allocated(error)) return
+    end do
+    call study%running%note('mesh: helical gears, without a pair stiffness')
+  end subroutine find_reliefs
+
+  !> Lists the inputs of the pair stiffness by elements.
+  pure type(elements_inputs_t) function elements_of(study) result(inputs)
+    type(study_t), intent(in) :: study
+
+    inputs = elements_inputs_t(study%pair, study%case%material, fe_options_t( &
+      section=study%case%stiffness_body(), tooth_coupling=study%case%tooth_coupling, rim=rims(study%case, study%pair), &
+      rim_teeth=rim_teeth(study%case), hub_share=study%hub_mass/study%mass, corner_contact=study%case%corner_contact), &
+      study%load/study%case%spec(1)%face_width)
+  end function elements_of
 
   !> Lists the inputs of the motions under each torque of the case, with the stiffness under that torque.
   subroutine find_other_loads(study, folder, error)
@@ -364,12 +401,7 @@ contains
     logical :: known
     type(elements_inputs_t) :: inputs
 
-    study%elements_inputs = elements_inputs_t(study%pair, study%case%material, fe_options_t( &
-      section=study%case%stiffness_body(), tooth_coupling=study%case%tooth_coupling, rim=rims(study%case, study%pair), &
-      rim_teeth=rim_teeth(study%case), &
-      hub_share=study%hub_mass/study%mass, &
-      corner_contact=study%case%corner_contact), &
-      study%load/study%case%spec(1)%face_width)
+    study%elements_inputs = elements_of(study)
     known = .false.
     if (present(earlier)) known = allocated(earlier%elements_inputs)
     if (known) study%teeth%list = earlier%teeth%list

@@ -3,7 +3,7 @@
 !> A gear's section is stored, factored and solved for its modes once for all tasks that need it.
 module gearsweep_study_run_stages
   use, intrinsic :: iso_c_binding, only: c_ptr
-  use gearsweep_base, only: dp, error_t, str
+  use gearsweep_base, only: dp, error_t, piecewise_t, str
   use gearsweep_gear, only: pair_t
   use gearsweep_elastic, only: make_two_grids, material_t, modal_t, section_body_t, section_modes, teeth_t
   use gearsweep_face, only: face_load_t
@@ -53,7 +53,8 @@ module gearsweep_study_run_stages
     real(dp) :: load = 0                         !< static load on the line of action, N
     real(dp) :: mass(2) = 0                      !< effective masses of pinion and gear, kg
     real(dp) :: hub_mass(2) = 0                  !< part of these masses at the hubs, kg
-    type(oscillator_t), allocatable :: motion(:)  !< oscillators, one for each relief
+    type(oscillator_t), allocatable :: motion(:)  !< oscillators, one for each relief; not allocated for helical gears
+    type(piecewise_t), allocatable :: profile_error(:)     !< of helical gears, one for each relief, m over s
     type(motions_inputs_t) :: motions_inputs     !< inputs of the oscillators, and so of all later results but for the section's
     real(dp), allocatable :: torque(:)           !< torques of &load torques_nm, N m; not allocated: there is one load
     type(motions_inputs_t), allocatable :: of_torque(:)  !< the inputs `motions_inputs` for each torque

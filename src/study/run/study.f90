@@ -274,7 +274,7 @@ contains
     type(task_slot_t), intent(in) :: slot
 
     known = .true.
-    if (slot%needs(stage%face)) known = same(study%faces, earlier%faces)
+    if (slot%needs(stage%face)) known = same(study%faces, earlier%faces) .and. same_elements_of(study, earlier)
     if (slot%needs(stage%body)) known = known .and. same(study%body_inputs, earlier%body_inputs)
     if (slot%needs(stage%solid)) known = known .and. same(study%solid_inputs, earlier%solid_inputs)
     associate (a => study%material, b => earlier%material)
@@ -287,6 +287,14 @@ contains
       if (known .and. slot%needs(stage%webs)) known = same([a%web_thickness], [b%web_thickness])
     end associate
   end function same_gears
+
+  !> True if the inputs of the teeth by finite elements are the same, which the load over the face width uses.
+  pure logical function same_elements_of(study, earlier) result(known)
+    type(study_t), intent(in) :: study, earlier
+
+    known = allocated(study%elements_inputs) .eqv. allocated(earlier%elements_inputs)
+    if (known .and. allocated(study%elements_inputs)) known = same(study%elements_inputs, earlier%elements_inputs)
+  end function same_elements_of
 
   !> Inputs of the results at a speed, apart from the oscillator.
   pure type(choice_t) function choice_of(study)

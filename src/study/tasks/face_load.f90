@@ -10,6 +10,9 @@ module gearsweep_study_tasks_face_load
   private
   public :: face_load_task_t
 
+  character(*), parameter :: of_phase = 'fraction of the mesh period, 0 where a pair enters at A, of helical gears at z = 0; '// &
+                                       'both sides of a break'
+
   type, extends(runnable_t) :: face_load_task_t
   contains
     procedure, nopass :: describe
@@ -23,7 +26,7 @@ contains
 
     info = task_info_t('face_load', needs=[stage%geometry, stage%face, stage%elasticity, stage%rims, stage%webs, stage%mesh, &
                                            stage%reliefs, stage%amounts], &
-                       tables='face_load face_load_phases face_load_summary', fields='', &
+                       tables='face_load face_load_phases face_load_summary', fields='', has_helical=.true., &
                        summary='load over face width and path with misalignment and leads, K_H_beta, K_F_beta, edge load')
   end subroutine describe
 
@@ -63,7 +66,7 @@ contains
           do j = 1, one%pairs(k)
             values(row + 1:row + n, 1) = stages%amount(i)
             values(row + 1:row + n, 2) = one%phase(k)
-            values(row + 1:row + n, 3) = min(one%phase(k) + j - 1, stages%pair%contact_ratio)
+            values(row + 1:row + n, 3) = one%path(:, j, k)
             values(row + 1:row + n, 4) = one%middle()
             values(row + 1:row + n, 5) = one%bounds(1:) - one%bounds(:n - 1)
             values(row + 1:row + n, 6) = one%gap
@@ -75,9 +78,9 @@ contains
       end associate
     end do
     call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
-    call table%add_index(axis('mesh_phase', '', 'fraction of the mesh period, 0 where a pair enters at A; both sides of a break', &
-                              values(:, 2)))
-    call table%add_index(axis('s', '', 'path coordinate of the pair, in base pitches from A', values(:, 3)))
+    call table%add_index(axis('mesh_phase', '', of_phase, values(:, 2)))
+    call table%add_index(axis('s', '', 'path coordinate of the pair at this place, in base pitches from A; oblique lines are '// &
+                              'off the path below 0 and above the contact ratio', values(:, 3)))
     call table%add_index(axis('z_mm', 'mm', 'place of the slice''s middle along the face', values(:, 4)))
     call table%add('slice_mm', 'mm', 'width of the slice', values(:, 5))
     call table%add('gap_um', 'um', 'gap of the flanks by misalignment, leads and the shaft''s deflection, without tip relief', &
@@ -99,9 +102,8 @@ contains
                      sum([(size(loads(i)%phase), i=1, size(loads))]), error)
     if (allocated(error)) return
     call table%add_index(axis('relief_um', 'um', of_relief, [((stages%amount(i), k=1, size(loads(i)%phase)), i=1, size(loads))]))
-    call table%add_index(axis('mesh_phase', '', 'fraction of the mesh period, 0 where a pair enters at A; both sides of a break', &
-                              [(loads(i)%phase, i=1, size(loads))]))
-    call table%add('pairs', '', 'pairs between A and E', [(loads(i)%pairs, i=1, size(loads))])
+    call table%add_index(axis('mesh_phase', '', of_phase, [(loads(i)%phase, i=1, size(loads))]))
+    call table%add('pairs', '', 'pairs in contact', [(loads(i)%pairs, i=1, size(loads))])
     call table%add('ste_um', 'um', 'static transmission error along the line of action', [(loads(i)%error, i=1, size(loads))])
     call table%add('mesh_stiffness_n_um', 'N/um', 'tangent stiffness of the mesh: load over deflection for a small change', &
                    [(loads(i)%stiffness, i=1, size(loads))])
@@ -131,17 +133,20 @@ contains
     shaft = iso_shaft_misalignment(stages%faces%shaft, stages%load/width, width)
     call table%over('face load factors for each relief', error, axis('relief_um', 'um', of_relief, stages%amount))
     if (allocated(error)) return
-    call table%add('face_load_factor', '', 'K_H_beta in the middle of contact of the fewest pairs: largest load on one module '// &
-                   'of the face over the mean', [(loads(i)%single_factor, i=1, m)])
+    call table%add('face_load_factor', '', 'K_H_beta in the middle of contact of the fewest pairs, of helical gears of the '// &
+                   'mean over the mesh period: largest load on one module of the face over the mean', &
+                   [(loads(i)%single_factor, i=1, m)])
     call table%add('mean_face_load_factor', '', 'K_H_beta of the load''s mean over the mesh period', &
                    [(loads(i)%mean_factor, i=1, m)])
     call table%add('worst_face_load_factor', '', 'K_H_beta at the phase where it is largest', [(loads(i)%worst_factor, i=1, m)])
     call table%add('worst_phase', '', 'that mesh phase', [(loads(i)%worst_phase, i=1, m)])
     call table%add('root_face_load_factor', '', 'K_F_beta: largest root stress along the face over that of an even load, at '// &
-                   'the outer points of contact of the fewest pairs', [(loads(i)%root_factor, i=1, m)])
+                   'the outer points of contact of the fewest pairs, of helical gears under the mean load', &
+                   [(loads(i)%root_factor, i=1, m)])
     call table%add('edge_load', '', 'mean over the period of the load on the outermost module of the face, larger end, over '// &
                    'the mean', [(loads(i)%edge_load, i=1, m)])
-    call table%add('face_in_contact', '', 'fraction of the face that carries in the middle of contact of the fewest pairs', &
+    call table%add('face_in_contact', '', 'fraction of the face that carries in the middle of contact of the fewest pairs, of '// &
+                   'helical gears of all lines, as the mean over the mesh period', &
                    [(loads(i)%in_contact, i=1, m)])
     call table%add('largest_line_load_n_mm', 'N/mm', 'largest load of a slice over its width', &
                    [(maxval(loads(i)%line_load), i=1, m)])

@@ -128,19 +128,21 @@ contains
     call check_true(t, 'a unit that is not in the list', allocated(table%error))
   end subroutine units
 
-  !> Helical gears: the task geometry and no other, with one sentence each for what is not allowed.
+  !> Helical gears: the tasks geometry and face_load and no other, with one sentence each for what is not allowed.
   subroutine helical(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: only = ' is for spur gears; for helical gears &case tasks can have geometry only'
+    character(*), parameter :: only = ' is for spur gears; for helical gears &case tasks can have geometry, face_load only'
     character(task_length), allocatable :: tasks(:)
     character(:), allocatable :: words
     integer :: i
 
     call list_task_names(tasks)
     do i = 1, size(tasks)
-      if (tasks(i) == 'geometry') call state('helix_angle_deg = 15', 'geometry', '')
-      if (tasks(i) /= 'geometry') call state('helix_angle_deg = 15', trim(tasks(i)), &
-        '&pair helix_angle_deg = 15: the task '//trim(tasks(i))//only)
+      if (tasks(i) == 'geometry' .or. tasks(i) == 'face_load') then
+        call state('helix_angle_deg = 15'//load(tasks(i) == 'face_load'), trim(tasks(i)), '')
+      else
+        call state('helix_angle_deg = 15', trim(tasks(i)), '&pair helix_angle_deg = 15: the task '//trim(tasks(i))//only)
+      end if
     end do
     call state('helix_angle_deg = 15 pinion_hand = ''left''', 'geometry', '')
     call find_slip('helix_angle_deg', 'deg', [0.35_dp], words)
@@ -151,6 +153,12 @@ contains
                '&pair coast_angle_deg = 25: helical gears have equal pressure angles; remove it')
     call state('helix_angle_deg = 15 pinion_hand = ''up''', 'geometry', &
                '&pair pinion_hand = ''up'': must be one of ''right'', ''left''')
+    call state('helix_angle_deg = 32'//load(.true.), 'face_load', &
+               '&pair helix_angle_deg = 32: the load over the face width is known up to 30')
+    call state('helix_angle_deg = 15'//load(.true.)//' / &section teeth = 21', 'face_load', &
+               '&section teeth = 21: must be 0, for whole gears, or fewer than helical gears have')
+    call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''iso6336''', 'face_load', &
+               'the load over the face width needs &mesh model = ''fe''')
     call state('helix_angle_deg = 0 pinion_hand = ''left''', 'geometry', &
                '&pair pinion_hand = ''left'': is for helical gears, helix_angle_deg; remove it')
     call state('pinion_hand = ''right''', 'geometry', &
@@ -158,8 +166,17 @@ contains
 
   contains
 
+    !> The load that a task needs, after the keys of &pair.
+    pure function load(is_needed)
+      logical, intent(in) :: is_needed
+      character(:), allocatable :: load
+
+      load = ''
+      if (is_needed) load = ' / &load line_load_n_mm = 200'
+    end function load
+
     subroutine state(pair, task, message)
-      character(*), intent(in) :: pair           !< keys of this group
+      character(*), intent(in) :: pair           !< keys of this group, and further groups
       character(*), intent(in) :: task
       character(*), intent(in) :: message        !< empty: accepted
       type(case_t) :: case
