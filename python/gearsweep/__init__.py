@@ -24,6 +24,7 @@ from .core.case import Case
 from .core.library import Code, Error, PartialWarning, UnusedWarning
 from .core.study import Rows, Study, read, run, run_rows
 from .core.table import Table
+from .report.drawing import write_dxf
 from .report.page import write as _write_report
 from .report.sound import write_sound
 
@@ -42,6 +43,7 @@ __all__ = [
     'read',
     'run',
     'run_rows',
+    'write_dxf',
     'write_sound',
 ]
 
