@@ -1,5 +1,5 @@
 #!/bin/sh
-# Measures against peers: sh bench/run.sh dynamics|harmonics|elastic|body_modes|face|honesty|scenes|as_built|hunting|rows|many|valley|all|doc
+# Measures against peers: sh bench/run.sh dynamics|harmonics|elastic|body_modes|face|honesty|scenes|as_built|hunting|part_load|rows|many|valley|all|doc
 # Sets up first where needed. Prints Markdown; results/bench/ gets it too, with CSV and pictures.
 # `doc` puts the latest tables into bench/measured and doc/accuracy.md. `all` takes a quarter of an hour.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
@@ -56,18 +56,18 @@ measure() {
     elastic) need ccx calculix-ccx && program elastic ;;
     body_modes) need ccx calculix-ccx && program body_modes ;;
     scenes) program scenes && build_package ;;
-    as_built | hunting) build_program ;;
+    as_built | hunting | part_load) build_program ;;
     rows) build_package ;;
     face) build_package ;;
     many | valley) build_package ;;
     doc) ;;
-    *) say "what to measure: dynamics, harmonics, elastic, body_modes, face, honesty, scenes, as_built, hunting, rows, many, valley or all; doc: put the tables into bench/measured and doc/accuracy.md"; return 2 ;;
+    *) say "what to measure: dynamics, harmonics, elastic, body_modes, face, honesty, scenes, as_built, hunting, part_load, rows, many, valley or all; doc: put the tables into bench/measured and doc/accuracy.md"; return 2 ;;
   esac && OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 "$venv/bin/python" "$root/bench/$1.py" "$programs"
 }
 
 set_up || exit
 if [ "$1" = all ]; then
-  for what in dynamics harmonics elastic body_modes honesty scenes rows as_built hunting; do measure "$what" || exit; done
+  for what in dynamics harmonics elastic body_modes honesty scenes rows as_built hunting part_load; do measure "$what" || exit; done
 else
   measure "$1"
 fi
