@@ -313,9 +313,9 @@ class FaceLoadTable(Table):
     relief_um: NDArray[float64]
     """um: amount of relief"""
     mesh_phase: NDArray[float64]
-    """fraction of the mesh period, 0 where a pair enters at A; both sides of a break"""
+    """fraction of the mesh period, 0 where a pair enters at A, of helical gears at z = 0; both sides of a break"""
     s: NDArray[float64]
-    """path coordinate of the pair, in base pitches from A"""
+    """path coordinate of the pair at this place, in base pitches from A; oblique lines are off the path below 0 and above the contact ratio"""
     z_mm: NDArray[float64]
     """mm: place of the slice's middle along the face"""
     slice_mm: NDArray[float64]
@@ -333,9 +333,9 @@ class FaceLoadPhasesTable(Table):
     relief_um: NDArray[float64]
     """um: amount of relief"""
     mesh_phase: NDArray[float64]
-    """fraction of the mesh period, 0 where a pair enters at A; both sides of a break"""
+    """fraction of the mesh period, 0 where a pair enters at A, of helical gears at z = 0; both sides of a break"""
     pairs: NDArray[int64]
-    """pairs between A and E"""
+    """pairs in contact"""
     ste_um: NDArray[float64]
     """um: static transmission error along the line of action"""
     mesh_stiffness_n_um: NDArray[float64]
@@ -349,7 +349,7 @@ class FaceLoadSummaryTable(Table):
     relief_um: NDArray[float64]
     """um: amount of relief"""
     face_load_factor: NDArray[float64]
-    """K_H_beta in the middle of contact of the fewest pairs: largest load on one module of the face over the mean"""
+    """K_H_beta in the middle of contact of the fewest pairs, of helical gears of the mean over the mesh period: largest load on one module of the face over the mean"""
     mean_face_load_factor: NDArray[float64]
     """K_H_beta of the load's mean over the mesh period"""
     worst_face_load_factor: NDArray[float64]
@@ -357,11 +357,11 @@ class FaceLoadSummaryTable(Table):
     worst_phase: NDArray[float64]
     """that mesh phase"""
     root_face_load_factor: NDArray[float64]
-    """K_F_beta: largest root stress along the face over that of an even load, at the outer points of contact of the fewest pairs"""
+    """K_F_beta: largest root stress along the face over that of an even load, at the outer points of contact of the fewest pairs, of helical gears under the mean load"""
     edge_load: NDArray[float64]
     """mean over the period of the load on the outermost module of the face, larger end, over the mean"""
     face_in_contact: NDArray[float64]
-    """fraction of the face that carries in the middle of contact of the fewest pairs"""
+    """fraction of the face that carries in the middle of contact of the fewest pairs, of helical gears of all lines, as the mean over the mesh period"""
     largest_line_load_n_mm: NDArray[float64]
     """N/mm: largest load of a slice over its width"""
     largest_pressure_mpa: NDArray[float64]
