@@ -240,21 +240,22 @@ contains
     type(face_load_t), intent(inout) :: product
     integer, parameter :: phases = 32            ! about this number
     real(dp), parameter :: rounding = 1e-9_dp
-    real(dp) :: ends(5)
+    real(dp) :: ends(5), overlap
     integer :: i, k, n, pairs
 
-    associate (ratio => mesh%pair%contact_ratio, overlap => mesh%pair%overlap_ratio)
+    overlap = mesh%pair%lag()*mesh%width
+    associate (ratio => mesh%pair%contact_ratio)
       ends = [0.0_dp, ratio - aint(ratio), overlap - aint(overlap), modulo(ratio + overlap, 1.0_dp), 1.0_dp]
     end associate
     call sort(ends(2:4))
     allocate (product%phase(0), product%share(0), product%pairs(0))
     do i = 1, 4
       associate (length => ends(i + 1) - ends(i))
-        if (.not. length > merge(rounding, 0.0_dp, mesh%pair%overlap_ratio > 0)) cycle
+        if (.not. length > merge(rounding, 0.0_dp, overlap > 0)) cycle
         n = 2*max(1, nint(phases*length/2))
         product%phase = [product%phase, [(ends(i) + length*k/n, k=0, n)]]
         product%share = [product%share, [(length/n*merge(0.5_dp, 1.0_dp, k == 0 .or. k == n), k=0, n)]]
-        pairs = int(mesh%pair%total_contact_ratio() - (ends(i) + length/2)) + 1
+        pairs = int(mesh%pair%contact_ratio + overlap - (ends(i) + length/2)) + 1
         product%pairs = [product%pairs, [(pairs, k=0, n)]]
       end associate
     end do
