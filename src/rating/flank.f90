@@ -39,11 +39,12 @@ module gearsweep_rating_flank
   !> a, distributed as Hertz's pressure, with q the power per length and B the thermal contact coefficient: 1.11 by Blok.
   real(dp), parameter :: flash_factor = 1.11155_dp
 
-  !> Factors of the contact stress. For a spur gear the helix angle factor Z_beta is 1.
+  !> Factors of the contact stress.
   type :: flank_factors_t
     real(dp) :: zone = 0                         !< zone factor Z_H
     real(dp) :: elasticity = 0                   !< elasticity factor Z_E, Pa**0.5
     real(dp) :: contact_ratio = 0                !< contact ratio factor Z_eps
+    real(dp) :: helix = 1                        !< helix angle factor Z_beta
     !> Single pair tooth contact factors Z_B of the pinion and Z_D of the gear: contact stress at the inner point of single
     !> pair contact over that at the pitch point, where it is larger.
     real(dp) :: single_pair(2) = 1
@@ -147,24 +148,29 @@ contains
 
   !> Factors of a pair. They apply to contact ratios from 1 to 2; above 2 no pair carries the full load, and Z_B and Z_D are 1, as
   !> Z_eps covers the load sharing on the safe side.
-  !> Source: ISO 6336-2:2006, clauses 6 (Z_H, Z_B, Z_D), 7 (Z_E) and 8 (Z_eps).
+  !> Of helical gears Z_B and Z_D fall with the overlap ratio, to 1 at 1.
+  !> Source: ISO 6336-2:2006, clauses 6 (Z_H, Z_B, Z_D), 7 (Z_E), 8 (Z_eps) and 9; Z_beta as its corrigendum
+  !> of 2008 has it.
   pure function flank_factors(pair, young, poisson) result(factors)
     type(pair_t), intent(in) :: pair
     real(dp), intent(in) :: young(2)             !< moduli of elasticity of pinion and gear, Pa
     real(dp), intent(in) :: poisson(2)           !< their Poisson's ratios
     type(flank_factors_t) :: factors
-    real(dp) :: tangent, single(2)
+    real(dp) :: tangent, single(2), overlap
 
-    associate (angle => pair%gear(1)%spec%pressure_angle(drive), working => pair%working_angle(drive))
-      factors%zone = sqrt(2*cos(working)/sin(working))/cos(angle)
+    associate (angle => pair%gear(1)%transverse_angle(drive), working => pair%working_angle(drive))
+      factors%zone = sqrt(2*cos(pair%gear(1)%base_helix())*cos(working)/sin(working))/cos(angle)
     end associate
+    overlap = min(pair%overlap_ratio, 1.0_dp)
     factors%elasticity = 1/sqrt(pi*sum((1 - poisson**2)/young))
-    factors%contact_ratio = sqrt((4 - pair%contact_ratio)/3)
+    factors%contact_ratio = sqrt((4 - pair%contact_ratio)/3*(1 - overlap) + overlap/pair%contact_ratio)
+    factors%helix = 1/sqrt(cos(pair%gear(1)%spec%helix_angle))
     if (pair%contact_ratio > 2) return
     ! Products of the radii of curvature: at the pitch point, and where the previous or next pair begins to share.
     tangent = product(pair%gear%base_radius(drive))*tan(pair%working_angle(drive))**2
     single = [product(pair%curvature([1, 2], pair%contact_ratio - 1)), product(pair%curvature([1, 2], 1.0_dp))]
     factors%single_pair = max(1.0_dp, sqrt(tangent/single))
+    factors%single_pair = factors%single_pair - overlap*(factors%single_pair - 1)
   end function flank_factors
 
   !> Nominal contact stress sigma_H0 at the pitch point (Pa), from the tangential load F_t on the reference circle.
@@ -177,7 +183,7 @@ contains
 
     associate (spec => pair%gear%spec)
       ratio = real(spec(2)%teeth, dp)/spec(1)%teeth
-      stress = factors%zone*factors%elasticity*factors%contact_ratio* &
+      stress = factors%zone*factors%elasticity*factors%contact_ratio*factors%helix* &
                sqrt(tangential_load/(2*pair%gear(1)%reference_radius*minval(spec%face_width))*(ratio + 1)/ratio)
     end associate
   end function nominal_flank_stress

@@ -2,10 +2,11 @@
 !> ISO 6336-3's 30 degree tangent. The load acts on the drive flank.
 module gearsweep_rating_form
   use gearsweep_base, only: bracket_t, dp, pi
-  use gearsweep_gear, only: coast, corner_depth, drive, fillet_parameter, fillet_point, gear_t, pair_t
+  use gearsweep_gear, only: coast, corner_depth, drive, fillet_parameter, fillet_point, gear_t, pair_t, teeth_around
   implicit none
   private
-  public :: nominal_root_stress, lewis_factor, iso_form_t, iso_form, outer_single_contact, deep_tooth_factor
+  public :: nominal_root_stress, lewis_factor, iso_form_t, iso_form, outer_single_contact, virtual_outer_contact, helix_factor, &
+            deep_tooth_factor
 
   !> Root section and factors of ISO 6336-3:2006, method B.
   type :: iso_form_t
@@ -106,8 +107,8 @@ contains
     real(dp), intent(in) :: load                 !< load, N
 
     associate (spec => pair%gear(gear)%spec)
-      stress = load*cos(spec%pressure_angle(drive))/(minval(pair%gear%spec%face_width)*spec%module) &
-               *form%form_factor*form%correction
+      stress = load*cos(pair%gear(gear)%transverse_angle(drive))/(minval(pair%gear%spec%face_width)*spec%module) &
+               *form%form_factor*form%correction*helix_factor(pair)
     end associate
   end function nominal_root_stress
 
@@ -121,6 +122,26 @@ contains
 
     radius = pair%radius(gear, merge(1.0_dp, pair%contact_ratio - 1, gear == 1))
   end function outer_single_contact
+
+  !> That radius (m) on the virtual gear of a helical gear of a pair, whose contact ratio in the normal section is
+  !> epsilon_alpha/cos(beta_b)**2.
+  pure real(dp) function virtual_outer_contact(pair, virtual) result(radius)
+    type(pair_t), intent(in) :: pair
+    type(gear_t), intent(in) :: virtual
+    real(dp) :: pitch
+
+    pitch = 2*pi*virtual%base_radius(drive)/teeth_around(virtual%spec)
+    radius = hypot(virtual%base_radius(drive), virtual%curvature(drive, virtual%flank_end(drive)) &
+                   - pitch*(pair%contact_ratio/cos(pair%gear(1)%base_helix())**2 - 1))
+  end function virtual_outer_contact
+
+  !> Helix angle factor Y_beta = 1 - min(epsilon_beta, 1) min(beta, 30 deg)/120 deg.
+  !> Source: ISO 6336-3:2006, clause 8.
+  pure real(dp) function helix_factor(pair) result(factor)
+    type(pair_t), intent(in) :: pair
+
+    factor = 1 - min(pair%overlap_ratio, 1.0_dp)*min(abs(pair%gear(1)%spec%helix_angle), pi/6)/(2*pi/3)
+  end function helix_factor
 
   !> Deep tooth factor Y_DT: below 1 if two pairs share the load at that radius, which requires an accuracy grade of 4 or finer.
   !> Source: ISO 6336-3:2006, clause 10.

@@ -83,6 +83,7 @@ module gearsweep_study_case_case
     procedure :: models_teeth
     procedure :: has_corner_contact
     procedure :: computes_mass
+    procedure :: uses_masses
   end type case_t
 
 contains
@@ -216,8 +217,15 @@ contains
     class(case_t), intent(in) :: self
     integer, intent(in) :: gear
 
-    computes_mass = self%needs(stage%mesh) .and. .not. (self%mass(gear) > 0 .or. self%inertia(gear) > 0 .or. self%is_helical())
+    computes_mass = self%needs(stage%mesh) .and. .not. (self%mass(gear) > 0 .or. self%inertia(gear) > 0) .and. self%uses_masses()
   end function computes_mass
+
+  !> True if a result depends on the masses: of helical gears that of the task rating only, which has no motion.
+  pure logical function uses_masses(self)
+    class(case_t), intent(in) :: self
+
+    uses_masses = .not. self%is_helical() .or. self%requests('rating')
+  end function uses_masses
 
   !> Number of speeds of the sweep.
   pure integer function speed_count(case)

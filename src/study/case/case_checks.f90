@@ -31,6 +31,8 @@ contains
     end do
     if (case%prescribed) call check_prescribed(case, error)
     if (case%needs_face_load()) call check_face(case, error)
+    if (case%is_helical() .and. case%model /= 'fe') call fail(error, code_input, '&mesh model = '''//trim(case%model)// &
+      ''': helical gears have no pair stiffness over the path; remove it')
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &

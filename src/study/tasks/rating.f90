@@ -6,7 +6,7 @@ module gearsweep_study_tasks_rating
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_base, only: axis, claim_memory, code_memory, dp, each, error_t, fail, lines_t, lower, no_number, piecewise_t, str, &
     table_t, wants_stop
-  use gearsweep_gear, only: drive
+  use gearsweep_gear, only: drive, normal_section, pair_t
   use gearsweep_mesh, only: balance_t, contact_intervals, iso_stiffness, share_load, sharing_t
   use gearsweep_motion, only: has_result, oscillator_t, point_t, status_stopped
   use gearsweep_rating, only: common_names, contact_life_curve, contact_number, contact_stress, counted_relief, deviations_of, &
@@ -14,7 +14,8 @@ module gearsweep_study_tasks_rating
     load_factors_t, material_length, method_b_t, no_grade, nominal_of, nominal_t, resonance_ratio, root_life_curve, root_number, &
     test_gear_correction, tooth_root_stress
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
+  use gearsweep_study_reader_reader, only: first_nonblank, is_helical, is_prescribed, needs_gears, reader_t, &
+    sentence_length, text_unless
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_point, known_count, of_estimate, &
     of_factor, of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
@@ -254,15 +255,15 @@ contains
       if (allocated(error)) return
       ! The larger gear has the larger allowed deviations.
       diameter = 2*maxval(pair%gear%reference_radius)
-      deviation = deviations_of(accuracy%grade, spec(1)%module, diameter, spec(1)%pressure_angle(drive))
+      deviation = deviations_of(accuracy%grade, spec(1)%module, diameter, pair%gear(1)%transverse_angle(drive))
       deviation = merge(accuracy%deviation, deviation, accuracy%deviation >= 0)
-      grade = grade_of(deviation, spec(1)%module, diameter, spec(1)%pressure_angle(drive))
+      grade = grade_of(deviation, spec(1)%module, diameter, pair%gear(1)%transverse_angle(drive))
       deviation = deviation*(1 - accuracy%running_in)
-      one = method_b_t(spec(1)%teeth, pair%contact_ratio, single_stiffness=stiffness%maximum()/width, &
+      one = method_b_t(spec(1)%teeth, pair%contact_ratio + pair%overlap_ratio, single_stiffness=stiffness%maximum()/width, &
                        mass=product(stages%mass)/sum(stages%mass)/width, pitch_deviation=deviation(1), &
                        profile_deviation=deviation(2))
       one%mesh_stiffness = one%single_stiffness*(0.75_dp*pair%contact_ratio + 0.25_dp)
-      one%line_load = stages%load*cos(spec(1)%pressure_angle(drive))*stages%iso%application_factor/width
+      one%line_load = stages%load*cos(pair%gear(1)%transverse_angle(drive))*stages%iso%application_factor/width
     end associate
     allocate (of(size(stages%amount)), source=one)
     do i = 1, size(of)
@@ -285,7 +286,7 @@ contains
 
     info = task_info_t(group, needs=[stage%geometry, stage%elasticity, stage%rims, stage%webs, stage%mesh, stage%reliefs, &
                                      stage%amounts, stage%motion, stage%losses, stage%accuracy, stage%face], &
-                       tables='rating rating_factors dynamic_factors', fields='', &
+                       tables='rating rating_factors dynamic_factors', fields='', has_helical=.true., &
                        summary='contact and root stress by ISO 6336, with K_v of the motion beside that of Method B')
   end subroutine describe
 
@@ -304,7 +305,14 @@ contains
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, not_allowed=geared, &
                     at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
     method = methods(by_larger)
-    call reader%get(group, 'dynamic_factor_method', method, error, tasks=group, not_allowed=geared, allowed=methods, &
+    ! Of helical gears there is no motion.
+    if (is_helical(reader)) then
+      where (self%needs == stage%motion .or. self%needs == stage%losses .or. self%needs == stage%accuracy) self%needs = 0
+      method = methods(by_b)
+    end if
+    call reader%get(group, 'dynamic_factor_method', method, error, tasks=group, not_allowed=first_nonblank(geared, &
+                    text_unless(.not. is_helical(reader), 'helical gears have K_v by Method B; remove it')), allowed=methods, &
+                    default_note='larger, of helical gears b', &
                     meaning='which K_v of ISO 6336-1 stresses and safety factors take: that of Method A (a: from the motion, '// &
                     'without deviations of the teeth), of Method B (b: by formula), or the larger of both')
     if (.not. allocated(error)) self%method = findloc(methods == method, .true., 1)
@@ -351,6 +359,7 @@ contains
     integer, allocatable :: motions(:, :)        ! number of motions
     type(method_b_t), allocatable :: of(:)                 ! inputs of Method B; (relief)
     type(nominal_t) :: nominal
+    type(pair_t) :: normal
     integer :: grade, i, k
     logical :: out_of_memory
 
@@ -359,11 +368,13 @@ contains
     self%has_face = stages%faces%are_uneven()
     self%factors%face_load = face_load_factor(stages, self%factors%face_load)
     call need_method_b(stages, self%accuracy, of, grade, error)
-    call claim_memory(1000.0_dp*size(stages%motion)*size(self%own_rpm), '&rating rpm: '// &
-                      str(size(stages%motion)*size(self%own_rpm))//' motions', error)
+    if (.not. allocated(error)) call normal_section(stages%pair, .false., normal, error)
+    call claim_memory(1000.0_dp*size(stages%amount)*size(self%own_rpm), '&rating rpm: '// &
+                      str(size(stages%amount)*size(self%own_rpm))//' motions', error)
     if (allocated(error)) return
-    allocate (point(size(self%own_rpm), size(stages%motion)), motions(size(self%own_rpm), size(stages%motion)))
-    do i = 1, size(stages%motion)
+    allocate (point(size(self%own_rpm), size(stages%amount)), motions(size(self%own_rpm), size(stages%amount)))
+    do i = 1, size(stages%amount)
+      if (.not. allocated(stages%motion)) exit
       do k = 1, size(self%own_rpm)
         if (wants_stop(stages%accuracy%steady%stop)) return
         call find_point(stages%motion(i), self%own_rpm(k), stages%accuracy, point(k, i), motions(k, i), out_of_memory)
@@ -373,19 +384,26 @@ contains
         call stages%running%report_progress(1, stages%accuracy%steady%stop)
       end do
     end do
-    nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade)
+    if (allocated(stages%motion)) then
+      nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade)
+    else
+      nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade, &
+                           normal%gear)
+    end if
     if (self%has_face) nominal%root_face_load = maxval(stages%face_loads%root_factor)
     call fill_dynamic(stages, self%own_rpm, of, point, motions, self%tables(self%place('dynamic_factors')), error)
     call fill_factors(stages, self, nominal, of(1), self%tables(self%place('rating_factors')), error)
     call fill_rating(self, nominal, stages%amount, [stages%pair%gear%spec%teeth], self%tables(self%place('rating')), error)
     self%is_done = .true.
-    self%is_stopped = any(point%steady%status == status_stopped)
-    self%failed = count(.not. has_result(point%steady%status))
+    if (allocated(stages%motion)) then
+      self%is_stopped = any(point%steady%status == status_stopped)
+      self%failed = count(.not. has_result(point%steady%status))
+    end if
     self%log = 'rating: '//str(size(point))//' operating points rated'
   end subroutine run
 
   !> Fills K_v by both methods.
-  pure subroutine fill_dynamic(stages, rpm, of, point, motions, table, error)
+  subroutine fill_dynamic(stages, rpm, of, point, motions, table, error)
     type(stages_t), intent(in) :: stages
     real(dp), intent(in) :: rpm(:)
     type(method_b_t), intent(in) :: of(:)
@@ -393,8 +411,6 @@ contains
     integer, intent(in) :: motions(:, :)         ! number of motions
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: factor(:), share(:)
-    integer, allocatable :: status(:)
     integer :: i, m, n
 
     m = size(stages%amount)
@@ -402,19 +418,29 @@ contains
     call table%over('dynamic factor K_v by Method A, from the motion, and by Method B', error, &
                     axis('relief_um', 'um', of_relief, stages%amount), axis('rpm', '1/min', of_speed, rpm))
     if (allocated(error)) return
-    share = each([(largest_share(stages%motion(i)), i=1, m)], n)
-    status = [point%steady%status]
-    factor = merge([point%dynamic_factor], no_number(), has_result(status))
-    call table%add('dynamic_factor', '', of_factor, factor)
-    call table%add('error_estimate', '', of_estimate, merge([point%estimate], no_number(), has_result(status)))
-    call table%add_words('status', of_status, words_of(status))
-    call table%add('motions', '', of_motions, [known_count(motions)])
-    call table%add('static_share', '', 'largest load of a pair at rest over the static load', share)
-    call table%add('dynamic_factor_a', '', 'K_v by ISO 6336-1, Method A: DF over static_share, at least 1; NaN where there is '// &
-                   'no answer', dynamic_factor_a(factor, share))
+    if (allocated(stages%motion)) call add_method_a()
     call table%add('dynamic_factor_b', '', 'K_v by ISO 6336-1, Method B', [(dynamic_factor_b(of(i), rpm), i=1, m)])
     call table%add('resonance_ratio', '', 'N: speed over the resonance running speed of Method B', &
                    [(resonance_ratio(of(i), rpm), i=1, m)])
+
+  contains
+
+    !> Adds what follows from the motion.
+    subroutine add_method_a()
+      real(dp), allocatable :: factor(:), share(:)
+      integer, allocatable :: status(:)
+
+      share = each([(largest_share(stages%motion(i)), i=1, m)], n)
+      status = [point%steady%status]
+      factor = merge([point%dynamic_factor], no_number(), has_result(status))
+      call table%add('dynamic_factor', '', of_factor, factor)
+      call table%add('error_estimate', '', of_estimate, merge([point%estimate], no_number(), has_result(status)))
+      call table%add_words('status', of_status, words_of(status))
+      call table%add('motions', '', of_motions, [known_count(motions)])
+      call table%add('static_share', '', 'largest load of a pair at rest over the static load', share)
+      call table%add('dynamic_factor_a', '', 'K_v by ISO 6336-1, Method A: DF over static_share, at least 1; NaN where there '// &
+                     'is no answer', dynamic_factor_a(factor, share))
+    end subroutine add_method_a
   end subroutine fill_dynamic
 
   !> Fills the factors that do not depend on the speed.
@@ -443,6 +469,10 @@ contains
     call table%add('single_pair_factor', '', 'Z_B of the pinion, Z_D of the gear, ISO 6336-2, clause 6', nominal%flank%single_pair)
     call both('elasticity_factor_sqrt_mpa', 'sqrt(MPa)', 'Z_E, ISO 6336-2, clause 7', nominal%flank%elasticity)
     call both('contact_ratio_factor', '', 'Z_eps, ISO 6336-2, clause 8', nominal%flank%contact_ratio)
+    if (stages%pair%overlap_ratio > 0) then
+      call both('helix_factor', '', 'of helical gears: Z_beta, ISO 6336-2, clause 9', nominal%flank%helix)
+      call both('root_helix_factor', '', 'of helical gears: Y_beta, ISO 6336-3, clause 8', nominal%helix)
+    end if
     call both('nominal_contact_mpa', 'MPa', 'nominal contact stress sigma_H0, ISO 6336-2, clause 5', nominal%contact)
     call table%add('form_factor', '', 'Y_F, ISO 6336-3, clause 6', [nominal%form%form_factor])
     call table%add('stress_correction', '', 'Y_S, ISO 6336-3, clause 7', [nominal%form%correction])
@@ -492,8 +522,9 @@ contains
                     axis('gear', '', 'pinion or gear', gear_names))
     if (allocated(error)) return
     associate (table => self%tables(self%place('dynamic_factors')))
-      a = each(table%numbers('dynamic_factor_a'), 2)
       b = each(table%numbers('dynamic_factor_b'), 2)
+      a = b
+      if (table%position('dynamic_factor_a') > 0) a = each(table%numbers('dynamic_factor_a'), 2)
     end associate
     takes_b = spread(self%method == by_b, 1, size(a))
     if (self%method == by_larger) takes_b = b > a
@@ -545,9 +576,13 @@ contains
         call lines%add('   pinion: '//trim(ground(1)))
         call lines%add('   gear: '//trim(ground(2)))
       end if
-      call dynamic%show(lines, 'relief_um rpm dynamic_factor_a dynamic_factor_b status')
+      if (dynamic%position('dynamic_factor_a') > 0) then
+        call dynamic%show(lines, 'relief_um rpm dynamic_factor_a dynamic_factor_b status')
+      else
+        call dynamic%show(lines, 'relief_um rpm dynamic_factor_b')
+      end if
       call rating%show(lines, 'relief_um rpm gear contact_stress_mpa contact_safety root_stress_mpa root_safety')
-      call add_several(dynamic, lines)
+      if (dynamic%position('motions') > 0) call add_several(dynamic, lines)
       if (self%life > 0) then
         call lines%add('   for '//str(self%life/hour)//' h')
         call add_life_curves(self%limits, lines)

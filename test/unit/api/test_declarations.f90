@@ -128,18 +128,19 @@ contains
     call check_true(t, 'a unit that is not in the list', allocated(table%error))
   end subroutine units
 
-  !> Helical gears: the tasks geometry and face_load and no other, with one sentence each for what is not allowed.
+  !> Helical gears: the tasks geometry, face_load and rating and no other, with one sentence each for what is not allowed.
   subroutine helical(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: only = ' is for spur gears; for helical gears &case tasks can have geometry, face_load only'
+    character(*), parameter :: only = ' is for spur gears; for helical gears &case tasks can have geometry, face_load, rating only'
     character(task_length), allocatable :: tasks(:)
     character(:), allocatable :: words
     integer :: i
 
     call list_task_names(tasks)
     do i = 1, size(tasks)
-      if (tasks(i) == 'geometry' .or. tasks(i) == 'face_load') then
-        call state('helix_angle_deg = 15'//load(tasks(i) == 'face_load'), trim(tasks(i)), '')
+      if (any(tasks(i) == [character(task_length) :: 'geometry', 'face_load', 'rating'])) then
+        call state('helix_angle_deg = 15'//load(tasks(i) /= 'geometry')//trim(merge(' / &rating rpm = 500', repeat(' ', 20), &
+                   tasks(i) == 'rating')), trim(tasks(i)), '')
       else
         call state('helix_angle_deg = 15', trim(tasks(i)), '&pair helix_angle_deg = 15: the task '//trim(tasks(i))//only)
       end if
@@ -159,6 +160,8 @@ contains
                '&section teeth = 21: must be 0, for whole gears, or fewer than helical gears have')
     call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''iso6336''', 'face_load', &
                'the load over the face width needs &mesh model = ''fe''')
+    call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''weber'' / &rating rpm = 500', 'rating', &
+               '&mesh model = ''weber'': helical gears have no pair stiffness over the path; remove it')
     call state('helix_angle_deg = 0 pinion_hand = ''left''', 'geometry', &
                '&pair pinion_hand = ''left'': is for helical gears, helix_angle_deg; remove it')
     call state('pinion_hand = ''right''', 'geometry', &

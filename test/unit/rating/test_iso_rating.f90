@@ -6,7 +6,9 @@ module test_iso_rating
   use gearsweep_rating_dynamic_factor, only: deviations_of, dynamic_factor_b, is_in_range, method_b_t, resonance_ratio
   use gearsweep_base_error, only: error_t
   use gearsweep_rating_flank, only: flank_factors, flank_factors_t, nominal_flank_stress, rim_factor, root_face_load_factor
-  use gearsweep_gear_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_gear_gear, only: drive, gear_spec_t, gear_t, make_gear, make_virtual_gear
+  use gearsweep_rating_form, only: helix_factor
+  use gearsweep_rating_nominal_stress, only: nominal_of, nominal_t
   use gearsweep_rating_gear_materials, only: common_names, contact_number, gear_materials, root_number
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_elastic_material, only: material_t
@@ -36,6 +38,10 @@ contains
     if (t%wants('method_b_reports')) call method_b_reports(t)
     if (t%wants('accuracy_grades')) call accuracy_grades(t)
     if (t%wants('load_factors')) call load_factors(t)
+    if (t%wants('helical_example')) call helical_example(t)
+    if (t%wants('helical_form')) call helical_form(t)
+    if (t%wants('helical_limits')) call helical_limits(t)
+    if (t%wants('helical_task')) call helical_task(t)
     if (t%wants('task')) call task(t)
     if (t%wants('materials')) call materials(t)
   end subroutine run
@@ -84,6 +90,210 @@ contains
                     is_in_range(3.89976368065613_dp*3/0.7288910289850654_dp*1.0001_dp, 19, 104/19.0_dp) .and. &
                     .not. is_in_range(3.89976368065613_dp*3/0.7288910289850654_dp*0.9999_dp, 19, 104/19.0_dp))
   end subroutine din_3990_example
+
+  !> The pair of ISO/TR 6336-30, example 1, with a dedendum for which C_B is 0.9.
+  subroutine make_example(t, pair, virtual)
+    type(tally_t), intent(inout) :: t
+    type(pair_t), intent(out) :: pair
+    type(gear_t), intent(out) :: virtual(2)
+    integer, parameter :: teeth(2) = [17, 103]
+    real(dp), parameter :: shift(2) = [0.145_dp, 0.0_dp], tip(2) = [0.15966_dp, 0.87235_dp]
+    type(gear_spec_t) :: spec
+    type(gear_t) :: gear(2)
+    type(error_t), allocatable :: error
+    integer :: i
+
+    do i = 1, 2
+      spec = gear_spec_t('gear', teeth(i), 8e-3_dp, profile_shift=shift(i), face_width=0.1_dp, dedendum=1.4_dp, &
+                         rack_tip_radius=[0.39_dp, 0.39_dp], tip_diameter=tip(i), helix_angle=merge(1, -1, i == 1)*15.8_dp*pi/180)
+      call make_gear(spec, gear(i), error)
+      call check_no_error(t, 'gear', error)
+      call make_virtual_gear(gear(i), .false., virtual(i), error)
+      call check_no_error(t, 'virtual gear', error)
+    end do
+    call make_pair(gear(1), gear(2), 0.5_dp, pair, error)
+    call check_no_error(t, 'pair', error)
+  end subroutine make_example
+
+  !> ISO/TR 6336-30, example 1, as a public program prints it (gfsReboucas/Drivetrain, MATISO_6336.m), to the printed digits; Z_eps
+  !> is printed with three, and sigma_H with a K_v that is rounded to 1.003. z_n is that of the virtual gears.
+  subroutine helical_example(t)
+    type(tally_t), intent(inout) :: t
+    type(pair_t) :: pair
+    type(gear_t) :: virtual(2)
+    type(nominal_t) :: nominal
+    type(material_t) :: material(2)
+
+    call make_example(t, pair, virtual)
+    nominal = nominal_of(pair, material, 9000/pair%gear(1)%base_radius(drive), [0.0_dp, 0.0_dp], 1.16_dp, 5, virtual)
+    call check_close(t, 'z_n of the pinion', virtual(1)%spec%virtual_teeth, 18.905_dp, absolute=6e-4_dp)
+    call check_close(t, 'z_n of the gear', virtual(2)%spec%virtual_teeth, 114.543_dp, absolute=6e-4_dp)
+    call check_close(t, 'F_t', nominal%load, 127352.0_dp, absolute=0.6_dp)
+    call check_close(t, 'Z_H', nominal%flank%zone, 2.39533_dp, absolute=6e-6_dp)
+    call check_close(t, 'Z_E', nominal%flank%elasticity/1e3_dp, 189.8117_dp, absolute=6e-5_dp)
+    call check_close(t, 'Z_eps', nominal%flank%contact_ratio, 0.803_dp, absolute=6e-4_dp)
+    call check_close(t, 'Z_beta', nominal%flank%helix, 1.01944_dp, absolute=6e-6_dp)
+    call check_close(t, 'Z_B and Z_D', maxval(nominal%flank%single_pair), 1.0_dp)
+    call check_close(t, 'sigma_H0', nominal%contact/1e6_dp, 1206.58207_dp, 1e-6_dp)
+    call check_close(t, 'sigma_H', nominal%contact/1e6_dp*sqrt(1.003_dp*1.16_dp), 1301.35343_dp, 2e-4_dp)
+    call check_close(t, 'K_F_beta', nominal%root_face_load, 1.12803_dp, 4e-4_dp)
+    call check_close(t, 'Y_beta', nominal%helix, 1 - 15.8_dp/120)
+  end subroutine helical_example
+
+  !> Y_F of both gears of that example by the equations of the standard for a rack of any number of teeth, 6336-3:2006, clause 6, in
+  !> the normal section, and sigma_F0 with it.
+  subroutine helical_form(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: alpha = pi/9, rack = 1.4_dp, rounding = 0.39_dp
+    type(pair_t) :: pair
+    type(gear_t) :: virtual(2)
+    type(nominal_t) :: nominal
+    type(material_t) :: material(2)
+    real(dp) :: z, x, e, g, h, theta, thickness, outer, angle, gamma, load_angle, lever, form, base, tip, slant
+    integer :: i, k
+
+    call make_example(t, pair, virtual)
+    nominal = nominal_of(pair, material, 9000/pair%gear(1)%base_radius(drive), [0.0_dp, 0.0_dp], 1.0_dp, 5, virtual)
+    slant = cos(asin(sin(15.8_dp*pi/180)*cos(alpha)))
+    do i = 1, 2
+      x = pair%gear(i)%spec%profile_shift
+      z = pair%gear(i)%spec%teeth/(slant**2*cos(15.8_dp*pi/180))
+      e = pi/4 - rack*tan(alpha) - (1 - sin(alpha))*rounding/cos(alpha)
+      g = rounding - rack + x
+      h = 2/z*(pi/2 - e) - pi/3
+      theta = pi/6
+      do k = 1, 100
+        theta = 2*g/z*tan(theta) - h
+      end do
+      thickness = z*sin(pi/3 - theta) + sqrt(3.0_dp)*(g/cos(theta) - rounding)
+      ! In modules: base and tip diameter of the virtual gear, and that of the load.
+      base = z*cos(alpha)
+      tip = z + (pair%gear(i)%spec%tip_diameter - 2*pair%gear(i)%reference_radius)/8e-3_dp
+      outer = 2*sqrt((sqrt((tip/2)**2 - (base/2)**2) - pi*cos(alpha)*(pair%contact_ratio/slant**2 - 1))**2 + (base/2)**2)
+      angle = acos(base/outer)
+      gamma = (pi/2 + 2*x*tan(alpha))/z + tan(alpha) - alpha - (tan(angle) - angle)
+      load_angle = angle - gamma
+      lever = ((cos(gamma) - sin(gamma)*tan(load_angle))*outer - z*cos(pi/3 - theta) - g/cos(theta) + rounding)/2
+      form = 6*lever*cos(load_angle)/(thickness**2*cos(alpha))
+      call check_close(t, 'Y_F', nominal%form(i)%form_factor, form, 1e-9_dp)
+      call check_close(t, 'rho_F', nominal%form(i)%radius/8e-3_dp, rounding + 2*g**2/(cos(theta)*(z*cos(theta)**2 - 2*g)), 1e-9_dp)
+      call check_close(t, 'sigma_F0', nominal%root(i), nominal%load/(0.1_dp*8e-3_dp)*form*nominal%form(i)%correction &
+                       *(1 - 15.8_dp/120), 1e-9_dp)
+    end do
+  end subroutine helical_form
+
+  !> A helix of a millionth of a radian has the factors of a spur pair. Z_B falls in a straight line over the overlap ratio to 1;
+  !> Y_beta stays from an overlap ratio of 1 and from 30 degrees on.
+  subroutine helical_limits(t)
+    type(tally_t), intent(inout) :: t
+    type(pair_t) :: pair, spur
+    type(flank_factors_t) :: found, straight
+    type(gear_t) :: gear(2), virtual(2)
+    type(nominal_t) :: nominal(2)
+    type(material_t) :: material(2)
+    type(gear_spec_t) :: spec
+    type(error_t), allocatable :: error
+    real(dp) :: single(2)
+    integer :: i, k
+
+    call make(t, 0.003_dp, [17, 40], [0.3_dp, -0.2_dp], 0.02_dp, 0.0_dp, spur)
+    straight = flank_factors(spur, steel, poisson)
+    do k = 1, 2
+      do i = 1, 2
+        spec = spur%gear(i)%spec
+        spec%helix_angle = merge(1, -1, i == 1)*merge(1e-6_dp, 0.2_dp, k == 1)
+        if (k == 2) spec%face_width = 0.4_dp*pi*spec%module/sin(0.2_dp)
+        call make_gear(spec, gear(i), error)
+        call make_virtual_gear(gear(i), .false., virtual(i), error)
+        call check_no_error(t, 'virtual gear', error)
+      end do
+      call make_pair(gear(1), gear(2), free_centre_distance(gear(1), gear(2)), pair, error)
+      call check_no_error(t, 'pair', error)
+      found = flank_factors(pair, steel, poisson)
+      if (k == 2) exit
+      call check_close(t, 'Z_H', found%zone, straight%zone, 1e-9_dp)
+      call check_close(t, 'Z_eps', found%contact_ratio, straight%contact_ratio, 1e-5_dp)
+      call check_close(t, 'Z_B', found%single_pair(1), straight%single_pair(1), 1e-5_dp)
+      call check_close(t, 'Z_beta', found%helix, 1.0_dp, 1e-9_dp)
+      nominal(1) = nominal_of(pair, material, 7e3_dp, [0.0_dp, 0.0_dp], 1.0_dp, 5, virtual)
+      nominal(2) = nominal_of(spur, material, 7e3_dp, [0.0_dp, 0.0_dp], 1.0_dp, 5)
+      call check_close(t, 'root stress', maxval(abs(nominal(1)%root/nominal(2)%root - 1)), 0.0_dp, absolute=1e-5_dp)
+    end do
+    call check_close(t, 'overlap ratio', pair%overlap_ratio, 0.4_dp, 1e-12_dp)
+    associate (tangent => product(pair%gear%base_radius(drive))*tan(pair%working_angle(drive))**2, e => pair%contact_ratio)
+      single = sqrt(tangent/[product(pair%curvature([1, 2], e - 1)), product(pair%curvature([1, 2], 1.0_dp))])
+      call check_true(t, 'Z_B counts', single(1) > 1)
+      call check_close(t, 'Z_B between', found%single_pair(1), single(1) - 0.4_dp*(single(1) - 1), 1e-12_dp)
+      call check_close(t, 'Z_eps between', found%contact_ratio**2, (4 - e)/3*0.6_dp + 0.4_dp/e, 1e-12_dp)
+    end associate
+    pair%overlap_ratio = 3
+    call check_close(t, 'Y_beta', helix_factor(pair), 1 - 0.2_dp*180/pi/120, 1e-12_dp)
+    pair%gear(1)%spec%helix_angle = 0.6_dp
+    call check_close(t, 'least Y_beta', helix_factor(pair), 0.75_dp, 1e-12_dp)
+  end subroutine helical_limits
+
+  !> The task of helical gears: K_v is that of Method B with the total contact ratio, K_H_beta and K_F_beta are those of the load
+  !> over the face, and a motion is neither there nor asked for.
+  subroutine helical_task(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: text = '&case tasks = ''face_load'', ''rating'' / &pair module_mm = 3 face_width_mm = 30 '// &
+      'helix_angle_deg = 18 / &pinion teeth = 22 / &gear teeth = 41 / &load line_load_n_mm = 250 / &section elements_across = 4 / '
+    type(study_t) :: study
+    type(table_t) :: rating, factors, dynamic, summary
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+    type(method_b_t) :: of
+    real(dp) :: speed, overlap
+
+    call solve_text(t, text//'&face misalignment_um = 25 / &rating rpm = 4000 /')
+    call make_table(study, 'rating', rating, error)
+    call make_table(study, 'rating_factors', factors, error)
+    call make_table(study, 'dynamic_factors', dynamic, error)
+    call make_table(study, 'face_load_summary', summary, error)
+    call check_no_error(t, 'tables', error)
+    call check_close(t, 'K_H_beta', factors%number('face_load_factor', 1), summary%number('mean_face_load_factor', 1), 1e-14_dp)
+    call check_close(t, 'K_F_beta', factors%number('root_face_load_factor', 1), summary%number('root_face_load_factor', 1), &
+                     1e-14_dp)
+    call check_true(t, 'both above 1', factors%number('root_face_load_factor', 1) > 1.05_dp .and. &
+                    factors%number('face_load_factor', 1) > factors%number('root_face_load_factor', 1))
+    speed = 4000
+    overlap = study%pair%overlap_ratio
+    associate (pair => study%pair)
+      of = method_b_t(22, pair%contact_ratio + overlap, single_stiffness=1e9_dp*factors%number('single_stiffness_n_mm_um', 1), &
+                      mesh_stiffness=1e9_dp*factors%number('mesh_stiffness_n_mm_um', 1), &
+                      mass=1e3_dp*factors%number('reduced_mass_kg_mm', 1), &
+                      line_load=factors%number('tangential_load_n', 1)/0.03_dp, &
+                      pitch_deviation=1e-6_dp*factors%number('pitch_deviation_um', 1), &
+                      profile_deviation=1e-6_dp*factors%number('profile_deviation_um', 1))
+      call check_close(t, 'F_t', factors%number('tangential_load_n', 1), 7500*cos(pair%gear(1)%transverse_angle(drive)), 1e-12_dp)
+    end associate
+    call check_close(t, 'K_v', dynamic%number('dynamic_factor_b', 1), dynamic_factor_b(of, speed), 1e-9_dp)
+    call check_true(t, 'no Method A', dynamic%position('dynamic_factor_a') == 0)
+    call check_close(t, 'sigma_H', rating%number('contact_stress_mpa', 1), factors%number('nominal_contact_mpa', 1) &
+                     *factors%number('single_pair_factor', 1)*sqrt(dynamic%number('dynamic_factor_b', 1) &
+                     *factors%number('face_load_factor', 1)), 1e-9_dp)
+    call check_close(t, 'sigma_F', rating%number('root_stress_mpa', 2), factors%number('nominal_root_mpa', 2) &
+                     *dynamic%number('dynamic_factor_b', 1)*factors%number('root_face_load_factor', 1), 1e-9_dp)
+    call read_case(text//'&rating rpm = 4000 dynamic_factor_method = ''a'' /', case, error)
+    call check_error(t, 'Method A', error, 'helical gears have K_v by Method B; remove it')
+    call read_case(text//'&rating rpm = 4000 / &dynamics damping_ratio = 0.05 /', case, error)
+    call check_no_error(t, 'damping', error)
+    call check_true(t, 'damping is not used', index(case%unused, 'damping_ratio') > 0)
+
+  contains
+
+    subroutine solve_text(t, words)
+      type(tally_t), intent(inout) :: t
+      character(*), intent(in) :: words
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case(words, case, error)
+      call check_no_error(t, 'case', error)
+      call run_study(case, '', 1, study, error)
+      call check_no_error(t, 'study', error)
+    end subroutine solve_text
+  end subroutine helical_task
 
   !> FZG type C and a variant of it in reports of the program GEARpie (C40, REP): printed digits. It takes the tangential
   !> load on the working pitch circle. Z_B over Z_D is the ratio of its two contact stresses, and Z_D is 1.
