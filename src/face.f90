@@ -6,10 +6,12 @@ module gearsweep_face
   use gearsweep_face_alignment, only: alignment_t, lead_t
   ! Face load factor of ISO 6336-1, method C, and the equivalent misalignment of the pinion's shaft.
   use gearsweep_face_iso, only: iso_face_load_factor, iso_shaft_misalignment
-  ! Load distribution over the face width and the path of contact of a pair of spur gears.
+  ! Load distribution over the face width and the path of contact of a pair of gears.
   use gearsweep_face_load, only: face_load_t, face_mesh_t, find_face_load, make_face_mesh
   ! Deflection of the pinion's shaft over the face width.
   use gearsweep_face_shaft, only: far, near, shaft_t
+  ! Pairs of helical gears as springs, for their motion.
+  use gearsweep_face_springs, only: find_springs
   implicit none
   public
 end module gearsweep_face

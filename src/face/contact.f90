@@ -31,20 +31,20 @@ contains
   !> Newton's method finds the loads of the slices in contact. Slices under tension leave the contact, and slices that penetrate
   !> join it; after the first changes one at a time, so that the energy falls with each change.
   !> `error`: the compliance is not positive definite, where slices are much narrower than Hertz's contact.
-  subroutine solve_contact(compliance, width, gap, flat, load, deflection, line_load, stiffness, error)
+  subroutine solve_contact(compliance, width, gap, flat, load, deflection, line_load, rate, error)
     real(dp), intent(in) :: compliance(:, :)     !< displacement of a slice, integrated over it, per line load, m3/N
     real(dp), intent(in) :: width(:), gap(:)     !< m; (slice)
     type(flat_t), intent(in) :: flat
     real(dp), intent(in) :: load                 !< N
     real(dp), intent(out) :: deflection          !< m
     real(dp), intent(out) :: line_load(:)        !< N/m; (slice)
-    real(dp), intent(out) :: stiffness           !< d load/d deflection, N/m
+    real(dp), intent(out) :: rate(:)             !< d line load/d deflection, Pa; (slice)
     type(error_t), allocatable, intent(inout) :: error
     real(dp), parameter :: rounding = 1e-13_dp, near = 1e-2_dp, negligible = 1e-12_dp
     integer, parameter :: most = 500, many_at_once = 8
     real(dp), dimension(size(width)) :: change, open
     logical, dimension(size(width)) :: joins, touches
-    real(dp) :: part, typical
+    real(dp) :: part, typical, stiffness
     integer :: i, at, changes
     logical :: is_near, is_done
 
@@ -133,6 +133,8 @@ contains
       end associate
       change = 0
       change(list) = x(:, 1) + deflection*x(:, 2)
+      rate = 0
+      rate(list) = x(:, 2)
     end subroutine newton_step
   end subroutine solve_contact
 end module gearsweep_face_contact

@@ -54,7 +54,10 @@ module gearsweep_face_load
     real(dp), allocatable :: line_load(:, :, :)  !< N/m; (slice, pair, row)
     real(dp), allocatable :: pressure(:, :, :)   !< Hertz's, Pa; (slice, pair, row)
     real(dp), allocatable :: error(:)            !< static transmission error, m; (row)
+    real(dp), allocatable :: deflection(:)       !< the same without the turning of complete gears about their bores, m; (row)
     real(dp), allocatable :: stiffness(:)        !< tangent stiffness of the mesh, N/m; (row)
+    !> Load (N) and tangent stiffness (N/m) of each pair under `deflection`; (pair, row).
+    real(dp), allocatable :: pair_load(:, :), pair_stiffness(:, :)
     real(dp), allocatable :: factor(:)           !< largest load over one module of the face over F/b; (row)
     real(dp), allocatable :: contact(:)          !< fraction of the length of all lines that carries; (row)
     !> K_H beta: of the mean over the period of the load of all pairs, largest at any phase, in the middle of contact of the
@@ -263,6 +266,9 @@ contains
     allocate (product%line_load(slices, maxval(product%pairs), n), source=0.0_dp)
     allocate (product%pressure, product%path, source=product%line_load)
     allocate (product%error(n), product%stiffness(n), product%factor(n), product%contact(n))
+    allocate (product%pair_load(maxval(product%pairs), n), source=0.0_dp)
+    allocate (product%pair_stiffness, source=product%pair_load)
+    allocate (product%deflection, source=product%error)
   end subroutine place_phases
 
   !> Puts three numbers in ascending order.
@@ -356,7 +362,7 @@ contains
     type(face_load_t), intent(inout) :: product
     type(error_t), allocatable, intent(inout) :: error
     type(shaft_t), intent(in), optional :: shaft
-    real(dp), allocatable :: width(:), gap(:), line_load(:), square(:), compliance(:, :)
+    real(dp), allocatable :: width(:), gap(:), line_load(:), rate(:), square(:), compliance(:, :)
     type(face_law_t) :: law(2)
     type(line_t) :: line(product%pairs(row))
     type(flat_t) :: flat
@@ -368,7 +374,7 @@ contains
     slant = mesh%slant()
     first = [1, (1 + sum([(size(line(k)%s), k=1, j)]), j=1, size(line))]
     associate (n => first(size(first)) - 1)
-      allocate (width(n), gap(n), line_load(n), square(n), compliance(n, n))
+      allocate (width(n), gap(n), line_load(n), rate(n), square(n), compliance(n, n))
     end associate
     do j = 1, size(line)
       associate (own => [(i, i=first(j), first(j + 1) - 1)], s => line(j)%s, bounds => line(j)%bounds)
@@ -389,13 +395,20 @@ contains
     end do
     associate (module => mesh%pair%gear(1)%spec%module)
       flat = flat_t(2/pi*sum(1/[mesh%tooth%modulus]), square/module**2)
-      call solve_contact(module*compliance, width, gap*slant, flat, load/slant, product%error(row), line_load, &
-                         product%stiffness(row), error)
+      call solve_contact(module*compliance, width, gap*slant, flat, load/slant, product%error(row), line_load, rate, &
+                         error)
     end associate
     if (allocated(error)) return
     turn = sum([mesh%tooth%turn])/mesh%width
-    product%error(row) = product%error(row)/slant + turn*load
-    product%stiffness(row) = product%stiffness(row)*slant**2
+    product%deflection(row) = product%error(row)/slant
+    product%error(row) = product%deflection(row) + turn*load
+    do j = 1, size(line)
+      associate (own => width(first(j):first(j + 1) - 1))
+        product%pair_load(j, row) = sum(own*line_load(first(j):first(j + 1) - 1))*slant
+        product%pair_stiffness(j, row) = sum(own*rate(first(j):first(j + 1) - 1))*slant**2
+      end associate
+    end do
+    product%stiffness(row) = sum(product%pair_stiffness(:, row))
     product%stiffness(row) = product%stiffness(row)/(1 + turn*product%stiffness(row))
     do j = 1, size(line)
       associate (w => line_load(first(j):first(j + 1) - 1), a => square(first(j):first(j + 1) - 1), bounds => product%bounds)

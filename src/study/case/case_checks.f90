@@ -30,7 +30,9 @@ contains
         ' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     end do
     if (case%prescribed) call check_prescribed(case, error)
-    if (case%needs_face_load()) call check_face(case, error)
+    if (case%needs_face_load() .or. (case%is_helical() .and. case%needs(stage%motion))) call check_face(case, error)
+    if (case%is_helical() .and. case%needs(stage%motion) .and. case%friction > 0) call fail(error, code_input, &
+      '&dynamics friction = '//str(case%friction)//': of helical gears the motion has none; remove it')
     if (case%is_helical() .and. case%model /= 'fe') call fail(error, code_input, '&mesh model = '''//trim(case%model)// &
       ''': helical gears have no pair stiffness over the path; remove it')
     if (all(case%fraction <= 0)) call fail(error, code_input, &

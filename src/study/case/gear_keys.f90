@@ -200,7 +200,8 @@ contains
     call reader%get('pair', 'helix_angle_deg', helix_angle, error, unit='deg', not_allowed=geared, at_least=0.0_dp, &
                     at_most=35.0_dp, default_note='0, spur gears', &
                     meaning='helix angle on the reference circle; module, pressure angle and the factors of the rack are then '// &
-                    'those of the normal section; the tasks geometry, face_load and rating only, a load over the face up to 30')
+                    'those of the normal section; the tasks geometry, face_load, sweep and rating only, a load over the face '// &
+                    'up to 30')
     if (helix_angle > 0) call refuse_tasks(case, helix_angle/degree, error)
     hand = 'right'
     call reader%get('pair', 'pinion_hand', hand, error, allowed=[character(5) :: 'right', 'left'], default_note='right', &
@@ -268,15 +269,15 @@ contains
     cut = .not. case%prescribed
     geared = text_unless(cut, needs_gears)
     call reader%get(group, 'effective_mass_kg', case%mass(gear), error, unit='kg', tasks=case%tasks_for(stage%mesh), &
-                    unused_without=text_unless(case%uses_masses(), 'spur gears or rating'), &
+                    unused_without=text_unless(case%uses_masses(), 'spur gears, rating or sweep'), &
                     at_least=1e-12_dp, at_most=1e12_dp, default_note='that of a solid disc, or of rim and web', &
                     meaning='mass on the line of action: moment of inertia over the square of the base radius')
     call reader%get(group, 'inertia_kgm2', case%inertia(gear), error, unit='kg m^2', tasks=case%tasks_for(stage%mesh), &
-                    unused_without=text_unless(case%uses_masses(), 'spur gears or rating'), &
+                    unused_without=text_unless(case%uses_masses(), 'spur gears, rating or sweep'), &
                     at_least=1e-15_dp, at_most=1e15_dp, default_note='that of a solid disc, or of rim and web', &
                     meaning='polar moment of inertia, instead of the effective mass')
     call reader%get(group, 'hub_inertia_kgm2', case%hub_inertia(gear), error, unit='kg m^2', tasks=case%tasks_for(stage%mesh), &
-                    unused_without=text_unless(case%uses_masses(), 'spur gears or rating'), &
+                    unused_without=text_unless(case%uses_masses(), 'spur gears, rating or sweep'), &
                     at_least=0.0_dp, at_most=1e15_dp, not_allowed=geared, &
                     meaning='polar moment of inertia of what turns with the bore (shaft, coupling, motor), beside the gear''s '// &
                     'own; the body of a whole gear of finite elements turns between the two')

@@ -149,8 +149,8 @@ contains
       felt = sum(felt_twist(study%hub_mass/study%mass, mesh%disc%twist))
       call table%add('body_rotation_um', 'um', 'rotation of whole gears about their bores under the load, on the line of '// &
                      'action: not in the motion, except for felt_rotation_um', [study%load*(mesh%disc%turn + felt)])
-      call table%add('body_coupling_um', 'um', 'what neighbouring teeth share beyond that: in the stiffness of each pair', &
-                     [study%load*(mesh%disc%shared - felt)])
+      if (.not. case%is_helical()) call table%add('body_coupling_um', 'um', 'what neighbouring teeth share beyond that: in the '// &
+                                                  'stiffness of each pair', [study%load*(mesh%disc%shared - felt)])
       if (felt > 0) call add_hubs(study, felt, mean, table)
       if (case%model == 'fe') call add_body(study, table)
       if (case%needs(stage%losses)) call table%add('backlash_um', 'um', 'of the motion; NaN where the coast flanks never touch', &
@@ -241,8 +241,10 @@ contains
     if (table%number('body_rotation_um') > 0) then
       call lines%add(left('Discs', 19)//'turn by '//str(table%number('body_rotation_um'), 4)//' um on the line of action '// &
                      'about their bores: in the static transmission error,')
-      call lines%add(left('', 19)//'not in the pairs'' stiffness nor in the motion; neighbouring teeth share '// &
-                     str(table%number('body_coupling_um'), 4)//' um')
+      call lines%put(left('', 19)//'not in the pairs'' stiffness nor in the motion')
+      if (table%position('body_coupling_um') > 0) call lines%put('; neighbouring teeth share '// &
+        str(table%number('body_coupling_um'), 4)//' um')
+      call lines%add('')
     end if
     if (table%position('felt_rotation_um') > 0) call add_hub_lines(table, lines)
     call lines%put(left('Load', 19)//str(table%number('load_n'), 5)//' N on the line of action, effective masses '// &

@@ -11,7 +11,7 @@ module gearsweep_study_run_study
   use gearsweep_study_case_key_names, only: name_key
   use gearsweep_study_case_published, only: read_published
   use gearsweep_study_case_task, only: stage, task_info_t, task_slot_t
-  use gearsweep_study_run_face_stage, only: find_face_loads
+  use gearsweep_study_run_face_stage, only: build_helical_motions, find_face_loads
   use gearsweep_study_run_files, only: path_in, read_text
   use gearsweep_study_run_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
   use gearsweep_study_run_mesh_stage, only: build_pair, mesh_and_motion
@@ -99,6 +99,8 @@ contains
       if (allocated(error)) return
       if (case%needs(stage%mesh)) then
         call mesh_and_motion(study, folder, error, earlier)
+        if (case%is_helical() .and. case%needs(stage%motion)) &
+          call build_helical_motions(study%stages_t, study%motions_inputs, study%motion, error)
         if (case%needs_face_load()) call find_face_loads(study%stages_t, study%face_loads, error)
       else
         call study%running%note('mesh and motion left out: no task needs them')

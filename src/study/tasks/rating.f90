@@ -374,7 +374,7 @@ contains
     if (allocated(error)) return
     allocate (point(size(self%own_rpm), size(stages%amount)), motions(size(self%own_rpm), size(stages%amount)))
     do i = 1, size(stages%amount)
-      if (.not. allocated(stages%motion)) exit
+      if (allocated(stages%profile_error)) exit
       do k = 1, size(self%own_rpm)
         if (wants_stop(stages%accuracy%steady%stop)) return
         call find_point(stages%motion(i), self%own_rpm(k), stages%accuracy, point(k, i), motions(k, i), out_of_memory)
@@ -384,7 +384,7 @@ contains
         call stages%running%report_progress(1, stages%accuracy%steady%stop)
       end do
     end do
-    if (allocated(stages%motion)) then
+    if (.not. allocated(stages%profile_error)) then
       nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade)
     else
       nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade, &
@@ -395,7 +395,7 @@ contains
     call fill_factors(stages, self, nominal, of(1), self%tables(self%place('rating_factors')), error)
     call fill_rating(self, nominal, stages%amount, [stages%pair%gear%spec%teeth], self%tables(self%place('rating')), error)
     self%is_done = .true.
-    if (allocated(stages%motion)) then
+    if (.not. allocated(stages%profile_error)) then
       self%is_stopped = any(point%steady%status == status_stopped)
       self%failed = count(.not. has_result(point%steady%status))
     end if
@@ -418,7 +418,7 @@ contains
     call table%over('dynamic factor K_v by Method A, from the motion, and by Method B', error, &
                     axis('relief_um', 'um', of_relief, stages%amount), axis('rpm', '1/min', of_speed, rpm))
     if (allocated(error)) return
-    if (allocated(stages%motion)) call add_method_a()
+    if (.not. allocated(stages%profile_error)) call add_method_a()
     call table%add('dynamic_factor_b', '', 'K_v by ISO 6336-1, Method B', [(dynamic_factor_b(of(i), rpm), i=1, m)])
     call table%add('resonance_ratio', '', 'N: speed over the resonance running speed of Method B', &
                    [(resonance_ratio(of(i), rpm), i=1, m)])

@@ -32,7 +32,7 @@ contains
 
     info = task_info_t('sweep', needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
                                        stage%speeds, stage%direction], &
-                       tables='sweep sweep_worst resonances sweep_summary', fields='', &
+                       tables='sweep sweep_worst resonances sweep_summary', fields='', has_helical=.true., &
                        summary='dynamic factor over speed and relief, resonances, best of the listed reliefs')
   end subroutine describe
 

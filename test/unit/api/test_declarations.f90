@@ -128,19 +128,23 @@ contains
     call check_true(t, 'a unit that is not in the list', allocated(table%error))
   end subroutine units
 
-  !> Helical gears: the tasks geometry, face_load and rating and no other, with one sentence each for what is not allowed.
+  !> Helical gears: the tasks geometry, face_load, sweep and rating and no other, with one sentence each for what is not allowed.
   subroutine helical(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: only = ' is for spur gears; for helical gears &case tasks can have geometry, face_load, rating only'
+    character(*), parameter :: only = ' is for spur gears; for helical gears &case tasks can have geometry, '// &
+      'face_load, sweep, rating only'
+    character(*), parameter :: speeds = ' / &sweep rpm_first = 1000 rpm_last = 2000 rpm_step = 500'
     character(task_length), allocatable :: tasks(:)
     character(:), allocatable :: words
     integer :: i
 
     call list_task_names(tasks)
     do i = 1, size(tasks)
-      if (any(tasks(i) == [character(task_length) :: 'geometry', 'face_load', 'rating'])) then
-        call state('helix_angle_deg = 15'//load(tasks(i) /= 'geometry')//trim(merge(' / &rating rpm = 500', repeat(' ', 20), &
-                   tasks(i) == 'rating')), trim(tasks(i)), '')
+      if (any(tasks(i) == [character(task_length) :: 'geometry', 'face_load', 'sweep', 'rating'])) then
+        words = ''
+        if (tasks(i) == 'rating') words = ' / &rating rpm = 500'
+        if (tasks(i) == 'sweep') words = speeds
+        call state('helix_angle_deg = 15'//load(tasks(i) /= 'geometry')//words, trim(tasks(i)), '')
       else
         call state('helix_angle_deg = 15', trim(tasks(i)), '&pair helix_angle_deg = 15: the task '//trim(tasks(i))//only)
       end if
@@ -162,6 +166,10 @@ contains
                'the load over the face width needs &mesh model = ''fe''')
     call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''weber'' / &rating rpm = 500', 'rating', &
                '&mesh model = ''weber'': helical gears have no pair stiffness over the path; remove it')
+    call state('helix_angle_deg = 32'//load(.true.)//speeds, 'sweep', &
+               '&pair helix_angle_deg = 32: the load over the face width is known up to 30')
+    call state('helix_angle_deg = 15'//load(.true.)//speeds//' / &dynamics friction = 0.05', 'sweep', &
+               '&dynamics friction = 0.05: of helical gears the motion has none; remove it')
     call state('helix_angle_deg = 0 pinion_hand = ''left''', 'geometry', &
                '&pair pinion_hand = ''left'': is for helical gears, helix_angle_deg; remove it')
     call state('pinion_hand = ''right''', 'geometry', &

@@ -214,7 +214,7 @@ contains
     type(tally_t), intent(inout) :: t
     integer, parameter :: n = 20
     real(dp), parameter :: width(n) = 0.5_dp
-    real(dp) :: gap(n), once(n), tenfold(n), x(2), stiffness
+    real(dp) :: gap(n), once(n), tenfold(n), x(2), rate(n)
     real(dp), allocatable :: c(:, :)
     type(line_law_t) :: law
     type(flat_t) :: flat
@@ -228,9 +228,9 @@ contains
     end do
     gap = [(3.0_dp*i, i=1, n)]
     allocate (flat%scale(n), source=1.0_dp)
-    call solve_contact(c, width, gap, flat, 20.0_dp, x(1), once, stiffness, error)
+    call solve_contact(c, width, gap, flat, 20.0_dp, x(1), once, rate, error)
     call check_no_error(t, 'contact', error)
-    call solve_contact(c, width, 10*gap, flat, 200.0_dp, x(2), tenfold, stiffness, error)
+    call solve_contact(c, width, 10*gap, flat, 200.0_dp, x(2), tenfold, rate, error)
     call check_no_error(t, 'tenfold', error)
     call check_true(t, 'part of the face', any(once > 0) .and. any(.not. once > 0))
     call check_close(t, 'sum of the loads', dot_product(once, width), 20.0_dp, 1e-13_dp)
