@@ -32,7 +32,6 @@ module gearsweep_gear_pair
     logical :: may_shorten = .false.             !< true: the path may end where undercut ends an involute
     real(dp) :: lost(2) = 0                      !< reduction of the path of contact by undercut of each gear, m
   contains
-    procedure :: total_contact_ratio
     procedure :: lag
     procedure :: curvature
     procedure :: radius
@@ -291,13 +290,6 @@ contains
       normal%centre_distance = pair%centre_distance/slant + sum(farther)/sin(pair%working_angle(drive))
     end associate
   end subroutine normal_section
-
-  !> Total contact ratio epsilon_gamma.
-  elemental real(dp) function total_contact_ratio(pair) result(ratio)
-    class(pair_t), intent(in) :: pair
-
-    ratio = pair%contact_ratio + pair%overlap_ratio
-  end function total_contact_ratio
 
   !> Fall of the path coordinate along a line of contact per length of the face, 1/m: tan(beta_b)/p_bt; 0 for spur gears. The line
   !> enters contact where z = 0.

@@ -33,8 +33,8 @@ contains
     if (case%needs_face_load() .or. (case%is_helical() .and. case%needs(stage%motion))) call check_face(case, error)
     if (case%is_helical() .and. case%needs(stage%motion) .and. case%friction > 0) call fail(error, code_input, &
       '&dynamics friction = '//str(case%friction)//': of helical gears the motion has none; remove it')
-    if (case%is_helical() .and. case%model /= 'fe') call fail(error, code_input, '&mesh model = '''//trim(case%model)// &
-      ''': helical gears have no pair stiffness over the path; remove it')
+    if (case%is_helical() .and. case%needs(stage%mesh) .and. case%model /= 'fe') call fail(error, code_input, &
+      '&pair helix_angle_deg = '//str(abs(case%spec(1)%helix_angle)*180/pi)//': for helical gears &mesh model must be ''fe''')
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &

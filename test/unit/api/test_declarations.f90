@@ -165,7 +165,7 @@ contains
     call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''iso6336''', 'face_load', &
                'the load over the face width needs &mesh model = ''fe''')
     call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''weber'' / &rating rpm = 500', 'rating', &
-               '&mesh model = ''weber'': helical gears have no pair stiffness over the path; remove it')
+               '&pair helix_angle_deg = 15: for helical gears &mesh model must be ''fe''')
     call state('helix_angle_deg = 32'//load(.true.)//speeds, 'sweep', &
                '&pair helix_angle_deg = 32: the load over the face width is known up to 30')
     call state('helix_angle_deg = 15'//load(.true.)//speeds//' / &dynamics friction = 0.05', 'sweep', &
