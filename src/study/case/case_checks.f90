@@ -30,11 +30,8 @@ contains
         ' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     end do
     if (case%prescribed) call check_prescribed(case, error)
-    if (case%needs_face_load() .or. (case%is_helical() .and. case%needs(stage%motion))) call check_face(case, error)
-    if (case%is_helical() .and. case%needs(stage%motion) .and. case%friction > 0) call fail(error, code_input, &
-      '&dynamics friction = '//str(case%friction)//': of helical gears the motion has none; remove it')
-    if (case%is_helical() .and. case%needs(stage%mesh) .and. case%model /= 'fe') call fail(error, code_input, &
-      '&pair helix_angle_deg = '//str(abs(case%spec(1)%helix_angle)*180/pi)//': for helical gears &mesh model must be ''fe''')
+    if (case%needs_face_load()) call check_face(case, error)
+    if (case%is_helical()) call check_helical(case, error)
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &
@@ -53,6 +50,20 @@ contains
         case_facts_t(case%amount, case%spec, case%accuracy%scheme, torques), error)
     end do
   end subroutine check_case
+
+  !> Refuses what the tasks of helical gears do not have: their stiffness and motion follow from the load over the face width.
+  subroutine check_helical(case, error)
+    type(case_t), intent(in) :: case
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (.not. case%needs(stage%mesh)) return
+    if (case%model /= 'fe') call fail(error, code_input, '&pair helix_angle_deg = '// &
+      str(abs(case%spec(1)%helix_angle)*180/pi)//': for helical gears &mesh model must be ''fe''')
+    if (.not. case%needs(stage%motion)) return
+    call check_face(case, error)
+    if (case%friction > 0) call fail(error, code_input, '&dynamics friction = '//str(case%friction)// &
+                                     ': of helical gears the motion has none; remove it')
+  end subroutine check_helical
 
   !> Refuses bodies and stiffnesses whose load over the face width is not known.
   subroutine check_face(case, error)
