@@ -54,7 +54,7 @@ contains
     type(face_load_t) :: load
     type(motions_inputs_t) :: one
     type(teeth_t) :: teeth
-    real(dp) :: overlap
+    real(dp) :: total
     integer :: i
 
     if (allocated(error)) return
@@ -63,18 +63,16 @@ contains
       call make_face_mesh(of%pair, of%material, of%options, mesh, error, teeth=teeth)
     end associate
     if (allocated(error)) return
-    overlap = mesh%pair%lag()*mesh%width
+    total = mesh%pair%contact_ratio + mesh%pair%lag()*mesh%width
     allocate (motion(size(stages%amount)))
     do i = 1, size(motion)
       mesh%profile_error = stages%profile_error(i)
       call find_face_load(mesh, alignment_t(), stages%load, load, error)
       if (allocated(error)) return
       one = inputs
-      call find_springs(load, mesh%pair%contact_ratio, overlap, one%stiffness, one%profile_error)
-      associate (total => mesh%pair%contact_ratio + overlap)
-        one%motion%relief%contact_ratio = total
-        one%motion%reach = [0.0_dp, total]
-      end associate
+      call find_springs(load, total, one%stiffness, one%profile_error)
+      one%motion%relief%contact_ratio = total
+      one%motion%reach = [0.0_dp, total]
       one%motion%disc = disc_t(turn=sum(mesh%tooth%turn)/mesh%width)
       call build_motion(one, 0.0_dp, motion(i), error)
       if (allocated(error)) return

@@ -17,6 +17,7 @@ module test_face_helical
   use gearsweep_gear_relief, only: profile_error, relief_t
   use gearsweep_mesh_stiffness, only: iso_stiffness
   use gearsweep_base_piecewise, only: piecewise_t
+  use test_support_ask_by_name, only: answer_t, ask
   use test_support_random_numbers, only: random_t
   use test_support_solve_one_point, only: solve
   use test_support_testing, only: tally_t, check_true, check_close, check_error, check_no_error
@@ -67,6 +68,7 @@ contains
     if (t%wants('hand')) call hand(t)
     if (t%wants('springs')) call springs(t)
     if (t%wants('resonance')) call resonance(t)
+    if (t%wants('sweeps')) call sweeps(t)
     if (t%wants('whole_gears')) call whole_gears(t)
     if (t%wants('random_pairs')) call random_pairs(t)
     if (t%wants('iso')) call iso(t)
@@ -329,8 +331,8 @@ contains
     call check_no_error(t, 'mesh', error)
     call find_face_load(mesh, alignment_t(), 1e3_dp, load, error)
     call check_no_error(t, 'load', error)
-    call find_springs(load, pair%contact_ratio, pair%overlap_ratio, osc%mesh%stiffness, osc%mesh%profile_error)
     osc%mesh%contact_ratio = pair%contact_ratio + pair%overlap_ratio
+    call find_springs(load, osc%mesh%contact_ratio, osc%mesh%stiffness, osc%mesh%profile_error)
     osc%mesh%reach = [0.0_dp, osc%mesh%contact_ratio]
     osc%mesh%teeth = 25
     osc%mass = 1
@@ -462,6 +464,28 @@ contains
       end associate
     end function change
   end subroutine resonance
+
+  !> A helix of a hundredth of a degree moves as a spur pair, whose shared compliance is a term of its own, with each relief; its
+  !> whole gears turn as far about their bores.
+  subroutine sweeps(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: begin = '&case tasks = ''sweep'' / &pair module_mm = 3 face_width_mm = 30', &
+      end = ' / &pinion teeth = 23 bore_mm = 20 / &gear teeth = 41 bore_mm = 30 / &load torque_nm = 300 / &relief amount_um = '// &
+      '0, 8, 16 / &dynamics damping_ratio = 0.15 / &mesh corner_contact = .false. / &sweep rpm_first = 2000 rpm_last = 8000 '// &
+      'rpm_step = 1000 /'
+    type(answer_t) :: spur, helical
+    real(dp), allocatable :: expected(:), found(:)
+
+    call ask(t, begin//end, spur)
+    call ask(t, begin//' helix_angle_deg = 0.01'//end, helical)
+    expected = spur%all_of('sweep.dynamic_factor')
+    found = helical%all_of('sweep.dynamic_factor')
+    call check_true(t, 'as many points', size(found) == 21 .and. size(expected) == 21)
+    call check_true(t, 'reliefs differ', maxval(expected) > 1.2_dp*minval(expected))
+    call check_close(t, 'dynamic factors', maxval(abs(found - expected)), 0.0_dp, absolute=6e-3_dp)
+    call check_close(t, 'turning of the bodies', helical%one('motion.body_rotation_um'), &
+                     spur%one('motion.body_rotation_um'), 1e-3_dp)
+  end subroutine sweeps
 
   !> Complete gears have a virtual gear with a whole number of teeth. Whatever the helix angle, the mean error lies smoothly
   !> between those of neighbouring angles: within 0.3 %, as rounding moves the number of teeth by half a tooth at most.
