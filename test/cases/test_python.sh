@@ -12,7 +12,7 @@ export GEARSWEEP_PROGRAM
 build_package || exit
 
 # Rows of the ledger that are open or not reproducible are expected failures, which count neither as passed nor as failed.
-ln -s "$root/data" "$work/data" || exit
+ln -s "$root/data" "$root/examples" "$work/" || exit
 for page in python many pictures nonlinear sensitivity accuracy asymmetric; do set -- "$root/doc/$page.md" "$@"; done
 export PYTHONPATH=$root
 # Those that take long belong to --all of test/run.sh.

@@ -8,6 +8,7 @@ module test_oscillator
   use gearsweep_motion_contact_law, only: find_closed, find_law, find_law_values, shared_t
   use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, candidates_t, may_exceed, raise_to_maximum
   use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_motion_transient, only: growth_t
   use gearsweep_base_quintic, only: derivative_of, evaluate, first_zero, maximum_of, may_cross_zero, place_of_largest, quintic, &
             value_of
   use gearsweep_base_text, only: str
@@ -28,6 +29,7 @@ contains
 
     if (t%wants('refusals')) call refusals(t)
     if (t%wants('derived')) call derived(t)
+    if (t%wants('disturbances')) call disturbances(t)
     if (t%wants('laws')) call laws(t)
     if (t%wants('quintics')) call quintics(t)
     if (t%wants('turning_points')) call turning_points(t)
@@ -133,7 +135,24 @@ contains
       mean = mean + max(0.0_dp, osc%mesh%stiffness%value(s)*(osc%mean_deflection - osc%mesh%profile_error%value(s)))*ratio/samples
     end do
     call check_close(t, 'mean load at high speed', mean, 7000.0_dp, 1e-3_dp)
+    ! The relief of 14 um at the pinion's tip is the larger one.
+    call check_close(t, 'largest profile error', osc%largest_error, 14e-6_dp, 1e-9_dp)
   end subroutine derived
+
+  !> A disturbance of a map that doubles x, and takes a quarter off y, grows by log 2 a period, and is sure after 500.
+  subroutine disturbances(t)
+    type(tally_t), intent(inout) :: t
+    type(growth_t) :: growth
+    integer :: i
+
+    do i = 1, 499
+      call growth%add(reshape([2.0_dp, 0.0_dp, 0.0_dp, 0.75_dp], [2, 2]), 3.0_dp)
+    end do
+    call check_true(t, 'not sure before 500 periods', .not. growth%is_sure())
+    call growth%add(reshape([2.0_dp, 0.0_dp, 0.0_dp, 0.75_dp], [2, 2]), 3.0_dp)
+    call check_true(t, 'sure after 500 periods', growth%is_sure())
+    call check_close(t, 'growth over a period', growth%per_period(), log(2.0_dp), 1e-6_dp)
+  end subroutine disturbances
 
   !> The loads of random pairs and contact sets fulfil C F = x - e, with C written down here; a pair touches where its load, or its
   !> gap, is 0; the contact set at a deflection is the only one of all whose loads and gaps have the right signs; derivatives are
