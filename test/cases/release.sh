@@ -1,9 +1,8 @@
 #!/bin/sh
 # Makes a release of what is committed, from a clone in a path with a blank, and tries its program and its wheel as users do who have no
-# compiler, no rights and no network: sh test/cases/test_release.sh
+# compiler, no rights and no network: sh test/cases/release.sh
 # The last line is `N passed, N failed`.
-# Belongs to --all of test/run.sh.
-# Takes about 5 min.
+# Before a release, by itself: it needs rights that not every machine gives (chroot, another user). Takes about 5 min.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd) || exit
 . "$root/test/checks.sh"
 need git tar sha256sum setpriv
