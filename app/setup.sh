@@ -15,7 +15,7 @@ lint_tools='ruff==0.17.6 mypy==2.4.1 fortitude-lint==0.10.0'
 # What drives a browser, for test/cases/panel.sh.
 browser_driver=playwright==1.65.2
 # What makes pages for a browser of doc and of the comments of src.
-site_tools='mkdocs==1.6.1 mkdocs-material==9.7.7 ford==7.0.13'
+site_tools='mkdocs==1.6.1 mkdocs-material==9.7.7 ford==7.0.13 nbformat>=5.10 nbclient>=0.10 ipykernel>=6.29'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all -ffpe-trap=invalid,zero,overflow'
 # For test/cases/sanitize.sh; C callers are compiled and linked with the C flags. Where an array is assigned to that is not
 # allocated yet, gfortran 12 subtracts bounds that were never set and does not use what comes out: integers go unchecked.
