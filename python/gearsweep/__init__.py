@@ -22,6 +22,7 @@ import importlib
 from .core import library
 from .core.case import Case
 from .core.library import Code, Error, PartialWarning, UnusedWarning
+from .core.rexs import read_rexs
 from .core.study import Rows, Study, read, run, run_rows
 from .core.table import Table
 from .report.drawing import write_dxf
@@ -41,6 +42,7 @@ __all__ = [
     'Table',
     'UnusedWarning',
     'read',
+    'read_rexs',
     'run',
     'run_rows',
     'write_dxf',
