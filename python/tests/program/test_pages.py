@@ -49,3 +49,14 @@ def test_the_notice_names_each_library_that_is_linked():
     for name in tomllib.loads((ROOT / 'fpm.toml').read_text())['build']['link']:
         library = re.sub(r'^:?(lib)?|\.a$', '', name)
         assert re.search(rf'\blib{library}\b', notice), name
+
+
+#: Lists of keys and of columns, which nobody reads from end to end.
+LISTS = ('case.md', 'tables.md')
+
+
+@pytest.mark.parametrize('page', [page for page in sorted((ROOT / 'doc').rglob('*.md')) if page.name not in LISTS], ids=lambda page: page.name)
+def test_a_page_is_read_in_a_quarter_of_an_hour(page):
+    """At most 2500 words of prose: without examples and tables."""
+    text = re.sub(r'```.*?```|<!--.*?-->', '', page.read_text(), flags=re.DOTALL)
+    assert len(' '.join(line for line in text.splitlines() if not line.startswith('|')).split()) <= 2500
