@@ -6,7 +6,7 @@
 export LC_ALL=C
 list=$(mktemp "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
 work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
-trap 'rm -rf "$work" "$list"' EXIT
+trap 'rm -rf "$work" "$list" "$list.output"' EXIT
 trap 'exit 1' HUP INT TERM
 
 pass() { echo "passed $title" >>"$list"; }
@@ -14,6 +14,18 @@ pass() { echo "passed $title" >>"$list"; }
 fails() {
   echo "failed $1" >>"$list"
   printf 'FAILED: %s\n' "$1"
+}
+
+# check TITLE COMMAND...: the command must succeed; the end of its output is shown where it does not. It runs in this shell.
+check() {
+  title=$1
+  shift
+  if "$@" >"$list.output" 2>&1; then
+    pass
+  else
+    fails "$title"
+    tail -n 40 "$list.output" | sed 's/^/  /'
+  fi
 }
 
 # count_checks: `N passed, N failed` from lines `passed NAME` and `failed NAME`.

@@ -9,18 +9,6 @@ root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 install_lint && find_python || exit
 cd "$root" || exit
 
-# check TITLE COMMAND...: the command must succeed; what it said is shown where it does not.
-check() {
-  title=$1
-  shift
-  if "$@" >"$work/said" 2>&1; then
-    pass
-  else
-    fails "$title"
-    sed 's/^/  /' "$work/said"
-  fi
-}
-
 for folder in app python validation bench test tools doc examples; do
   check "ruff: $folder" "$venv/bin/ruff" check --quiet --no-cache --output-format concise "$folder"
 done

@@ -13,17 +13,6 @@ chmod 755 "$work"
 git clone -q "$root" "$clone" && cd "$clone" || exit
 version=$(sed -n 's/^version *= *"\(.*\)"/\1/p' fpm.toml)
 
-check() {
-  title=$1
-  shift
-  if "$@" >"$work/said" 2>&1; then
-    pass
-  else
-    fails "$title"
-    tail -n 20 "$work/said" | sed 's/^/  /'
-  fi
-}
-
 # refuses TEXT FILE SED: a release with this change, once it is committed.
 refuses() {
   sed -i "$3" "$2" && git -c user.name=a -c user.email=a@b commit -qam changed

@@ -33,16 +33,6 @@ F
 echo 'int unused(void) { return 0; }' >src/room/unused.c
 printf 'program main\n  use high\n  call put()\nend program main\n' >app/main.f90
 
-check() {
-  title=$1
-  shift
-  if "$@" >"$work/said" 2>&1; then
-    pass
-  else
-    fails "$title"
-    head -n 20 "$work/said" | sed 's/^/  /'
-  fi
-}
 make() { python3 app/build.py out program "$@"; }
 prints() { [ "$(out/program)" = "$1" ]; }
 # compiles NAMES COMMAND...: what makes these objects anew, and no others.

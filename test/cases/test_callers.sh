@@ -11,18 +11,6 @@ program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
 cd "$work" || exit
 
-# check TITLE COMMAND...: the command must succeed; what it said is shown where it does not.
-check() {
-  title=$1
-  shift
-  if "$@" >said 2>&1; then
-    pass
-  else
-    fails "$title"
-    tail -n 20 said | sed 's/^/  /'
-  fi
-}
-
 same() { cmp "$1" "$2" || { diff "$1" "$2" | head -n 4; return 1; }; }
 silent() { [ ! -s "$1" ] || { head -n 5 "$1"; return 1; }; }
 
@@ -56,10 +44,14 @@ check 'version of the package' test "$(pkg-config --modversion gearsweep)" = "$v
 # --- Fortran 77 and C --------------------------------------------------------
 
 cp "$root"/tools/callers/* "$root"/examples/first.* .
-compile() { eval "$1"; }
+# compile COMMAND: its output, which warnings are, is in the file `compiled` too.
+compile() { eval "$1" >compiled 2>&1 || { cat compiled; return 1; }; }
+printf 'int main(void) { int unused; return 0; }\n' >warned.c
+warns() { compile 'cc -Wall warned.c -o warned' && ! silent compiled; }
+check 'a warning is found' warns
 for language in Fortran:gfortran C:cc; do
   check "${language%:*} compiles and links as described" compile "$(line "${language#*:}") -o first"
-  check 'nothing to warn of' silent said
+  check "${language%:*}: nothing to warn of" silent compiled
   check "${language%:*} runs" compile "./first >first.${language#*:} 2>first.err"
   check "${language%:*}: nothing on stderr" silent first.err
 done
@@ -71,7 +63,7 @@ check 'spoilt calls' ./fuzz .
 # --- every column of every table, in every language ----------------------------------
 
 check 'Fortran 77: results compile' compile 'gfortran results.f $(pkg-config --cflags --libs gearsweep) -o results-f77'
-check 'nothing to warn of' silent said
+check 'Fortran 77, results: nothing to warn of' silent compiled
 check 'C: results compile' compile "cc $flags results.c \$(pkg-config --cflags --libs gearsweep) -o results-c"
 sed -e "s/tasks = .*/tasks = 'geometry', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum', 'precision'/" \
   -e 's/rpm_step = .*/rpm_step = 1400/; s/^&section/& elements_across = 5/' \

@@ -9,18 +9,6 @@ build_package || exit
 program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
 
-# check TITLE COMMAND...: the command must succeed; what it said is shown where it does not.
-check() {
-  title=$1
-  shift
-  if "$@" >"$work/said" 2>&1; then
-    pass
-  else
-    fails "$title"
-    tail -n 20 "$work/said" | sed 's/^/  /'
-  fi
-}
-
 check 'the library installs' sh "$root/app/install.sh" "$work/installed"
 export PKG_CONFIG_PATH="$work/installed/lib/pkgconfig"
 cp "$root"/examples/first.* "$root"/examples/plain.f90 "$work" && cd "$work" || exit

@@ -12,13 +12,6 @@ cd "$work" || exit
 
 # --- tools -------------------------------------------------------------------
 
-# check TITLE COMMAND...: the command must succeed.
-check() {
-  title=$1
-  shift
-  if "$@"; then pass; else fails "$title"; fi
-}
-
 # run ARGUMENTS...: runs the program; leaves $code, stdout and stderr.
 run() {
   timeout 120 "$program" "$@" >stdout 2>stderr </dev/null

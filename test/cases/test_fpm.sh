@@ -10,18 +10,6 @@ case $program in /*) ;; *) program=$PWD/$program ;; esac
 install_packages && install_fpm || exit
 mkdir "$work/clone" && cd "$root" && cp -R fpm.toml app data doc include src test "$work/clone" && cd "$work/clone" || exit
 
-# check TITLE COMMAND...: the command must succeed; what it said is shown where it does not.
-check() {
-  title=$1
-  shift
-  if "$@" >"$work/why" 2>&1; then
-    pass
-  else
-    fails "$title"
-    head -n 20 "$work/why" | sed 's/^/  /'
-  fi
-}
-
 # beyond FILE: the lines that fpm does not say as it builds.
 beyond() { grep -Ev '^ \+ mkdir -p |^\[ *[0-9]+%\] ' "$1"; }
 # words: without numbers, times and names of files: another build may round a last digit otherwise.

@@ -5,30 +5,12 @@
 # With `long` the limits lie 1 MB apart (half an hour). The last line is `N passed, N failed`.
 # Belongs to --all of test/run.sh.
 # Takes about 2 min.
-export LC_ALL=C
 root=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd) || exit
 program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
 fineness=${2:-short}
-work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
+. "$root/test/checks.sh"
 cd "$work" || exit
-passed=0
-failed=0
-
-# check TITLE COMMAND...: the command must succeed; what it said is shown where it does not.
-check() {
-  title=$1
-  shift
-  if "$@" >said 2>&1; then
-    passed=$((passed + 1))
-  else
-    failed=$((failed + 1))
-    printf 'FAILED: %s\n' "$title"
-    tail -n 20 said | sed 's/^/  /'
-  fi
-}
 
 pair="&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 effective_mass_kg = 0.5 /
 &gear teeth = 34 effective_mass_kg = 0.9 / &load normal_force_n = 4000 /"
@@ -159,5 +141,4 @@ unset OPENBLAS_NUM_THREADS MALLOC_ARENA_MAX
 small_stack() { OMP_STACKSIZE=$1 OMP_NUM_THREADS=4 "$program" sweep.nml --quiet --out small && cmp usual/sweep.sweep.csv small/sweep.sweep.csv; }
 for size in 16k 64k 100k 8192B; do check "threads with a stack of $size" small_stack "$size"; done
 
-echo "$passed passed, $failed failed"
-[ "$failed" = 0 ]
+finish

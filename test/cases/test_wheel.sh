@@ -7,18 +7,6 @@ root=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd) || exit
 . "$root/test/checks.sh"
 need ldd
 
-# check TITLE COMMAND...: the command must succeed; what it said is shown where it does not.
-check() {
-  title=$1
-  shift
-  if "$@" >"$work/said" 2>&1; then
-    pass
-  else
-    fails "$title"
-    tail -n 20 "$work/said" | sed 's/^/  /'
-  fi
-}
-
 unpack() { "$venv/bin/python" -m zipfile -e "$work"/*manylinux*.whl "$work/unpacked"; }
 # What the libraries find elsewhere than beside them is what every Linux has.
 nothing_else() {
