@@ -54,9 +54,8 @@ module gearsweep_motion_attractor_search
   !> Trajectory in a lane of the batch.
   type :: trajectory_t
     integer :: start = 0                         !< index of its start; 0: none
-    integer :: length = 0                        !< mesh periods followed
-    integer :: next_try = 0                      !< length at the next try of Newton's method from any state
-    integer :: next_shot = 0                     !< length at the next try where the motion nearly repeats
+    integer :: next_try = 0                      !< periods at the next try of Newton's method from any state
+    integer :: next_shot = 0                     !< periods at the next try where the motion nearly repeats
     integer :: in_full_contact = 0               !< periods in a row
     type(growth_t) :: growth
     type(approach_t) :: approach
@@ -355,7 +354,6 @@ contains
     type(trajectory_t), intent(inout) :: trajectory
 
     trajectory%start = start
-    trajectory%length = 0
     trajectory%next_try = 1
     trajectory%next_shot = 1
     trajectory%in_full_contact = 0
@@ -386,7 +384,7 @@ contains
     if (attractor == 0) call watch(search, trajectory, attractor)
     if (attractor == 0) call try_newton(search, trajectory)
     search%to(trajectory%start) = attractor
-    if (attractor > 0 .or. trajectory%growth%is_sure() .or. trajectory%length >= search%most_cycles) trajectory%start = 0
+    if (attractor > 0 .or. trajectory%growth%is_sure() .or. trajectory%growth%periods >= search%most_cycles) trajectory%start = 0
   end subroutine take_period
 
   !> Adds a period to the stored history of a trajectory.
@@ -395,14 +393,13 @@ contains
     type(trajectory_t), intent(inout) :: trajectory
     integer :: k
 
-    do k = min(trajectory%length + 1, size(trajectory%monodromy, 3)), 2, -1
+    do k = min(trajectory%growth%periods + 1, size(trajectory%monodromy, 3)), 2, -1
       trajectory%state(:, k) = trajectory%state(:, k - 1)
       trajectory%monodromy(:, :, k) = matmul(run%monodromy, trajectory%monodromy(:, :, k - 1))
     end do
     trajectory%state(:, 1) = trajectory%state(:, 0)
     trajectory%monodromy(:, :, 1) = run%monodromy
     trajectory%state(:, 0) = run%state
-    trajectory%length = trajectory%length + 1
   end subroutine remember
 
   !> Checks whether a known motion has captured a trajectory.
@@ -436,9 +433,9 @@ contains
     integer :: periods, motion, which
     logical :: solved, anywhere, repeats
 
-    anywhere = trajectory%length >= trajectory%next_try
-    if (.not. (anywhere .or. trajectory%length >= trajectory%next_shot)) return
-    do periods = 1, min(size(trajectory%monodromy, 3), trajectory%length)
+    anywhere = trajectory%growth%periods >= trajectory%next_try
+    if (.not. (anywhere .or. trajectory%growth%periods >= trajectory%next_shot)) return
+    do periods = 1, min(size(trajectory%monodromy, 3), trajectory%growth%periods)
       defect = trajectory%state(:, 0) - trajectory%state(:, periods)
       repeats = all(abs(defect) < nearby*search%scale)
       if (.not. (repeats .or. anywhere)) cycle
@@ -450,10 +447,10 @@ contains
       if (maxval(abs(difference)) < 0.1_dp*min(1.0_dp, maxval(abs(step)/search%scale))) cycle
       call try_shooting(search%single, periods, trajectory%state(:, periods) + step, steady)
       call add_known(steady, search)
-      trajectory%next_shot = trajectory%length + 5 + trajectory%length/5
+      trajectory%next_shot = trajectory%growth%periods + 5 + trajectory%growth%periods/5
       exit
     end do
-    if (anywhere) trajectory%next_try = 2*trajectory%length
+    if (anywhere) trajectory%next_try = 2*trajectory%growth%periods
   end subroutine try_newton
 
   !> Tries Newton's method in full steps, and gives up as soon as these do not shrink: most tries fail.

@@ -27,7 +27,6 @@ module gearsweep_motion_transient
   type :: history_t
     real(dp), allocatable :: state(:, :)         !< last states, the newest first, m; (2, 0:periods)
     real(dp), allocatable :: monodromy(:, :, :)  !< monodromy matrices of the last 1, 2, ... periods; (2, 2, periods)
-    integer :: length = 0                        !< mesh periods marched
     real(dp) :: decay = 0                        !< -log of the determinant of all monodromy matrices, by the damping
     type(growth_t) :: growth
     type(seen_t) :: seen                         !< after the decay of the initial excitation
@@ -68,7 +67,7 @@ contains
     next_shot = 1
     before = steady%work
     most_cycles = min(options%most_cycles, max(1, int(most_work/map%steps)))
-    do while (history%length < most_cycles .and. steady%work - before < most_work)
+    do while (history%growth%periods < most_cycles .and. steady%work - before < most_work)
       if (wants_stop(options%stop)) then
         steady%status = status_stopped
         return
@@ -78,9 +77,10 @@ contains
       if (run%failed) steady%status = status_chatter
       if (.not. (run%failed .or. is_bounded(map%osc, map%duration(1), run%state))) steady%status = status_unbounded
       if (run%failed .or. steady%status == status_unbounded) return
-      if (history%decay > faded .or. 2*history%length >= enough) call watch(run, map%osc%mesh%deviations%periods, history%seen)
+      if (history%decay > faded .or. 2*history%growth%periods >= enough) &
+        call watch(run, map%osc%mesh%deviations%periods, history%seen)
       call append(history, run, max(1.0_dp, map%osc%natural_frequency*map%duration(1)))
-      if (history%length >= next_shot) then
+      if (history%growth%periods >= next_shot) then
         call try_to_end(map, options, history, periods, trial)
         if (has_result(trial%status)) then
           call adopt(trial, steady)
@@ -88,11 +88,11 @@ contains
           return
         end if
         steady%work = steady%work + trial%work
-        if (periods > 0) next_shot = history%length + 5 + history%length/5
+        if (periods > 0) next_shot = history%growth%periods + 5 + history%growth%periods/5
       end if
-      if (history%length < enough) cycle
+      if (history%growth%periods < enough) cycle
       ! Chaos, or so little damping that the transient never dies away.
-      if (history%growth%is_sure() .or. history%decay*most_cycles < 8*history%length) exit
+      if (history%growth%is_sure() .or. history%decay*most_cycles < 8*history%growth%periods) exit
     end do
     if (history%growth%is_sure()) &
       steady = steady_t(status=status_chaotic, multiplier=exp(history%growth%per_period()), &
@@ -137,7 +137,6 @@ contains
     history%state(:, 1) = history%state(:, 0)
     history%monodromy(:, :, 1) = one
     history%state(:, 0) = run%state
-    history%length = history%length + 1
     history%decay = history%decay - log(max(determinant(one), tiny(unit)))
     call history%growth%add(one, unit)
   end subroutine append
@@ -201,7 +200,7 @@ contains
     associate (osc => map%osc, duration => map%duration(1))
       ! Marching ends where the remaining transient is far below the tolerance.
       small = merge(1e-3_dp*options%tolerance, near/2, options%method == by_marching)
-      do periods = 1, min(options%most_periods, history%length)
+      do periods = 1, min(options%most_periods, history%growth%periods)
         defect = history%state(:, 0) - history%state(:, periods)
         if (distance(osc, duration, defect) > small) cycle
         if (largest_multiplier(history%monodromy(:, :, periods)) > 1) cycle
@@ -210,7 +209,7 @@ contains
         remainder = distance(osc, duration, step - defect)
         if (solved .and. remainder < small) exit
       end do
-      if (periods > min(options%most_periods, history%length)) then
+      if (periods > min(options%most_periods, history%growth%periods)) then
         periods = 0
       else if (options%method == by_marching) then
         call run_periods(map, history%state(:, 0), periods, run)
