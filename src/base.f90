@@ -13,6 +13,8 @@ module gearsweep_base
     code_usage, error_t, fail
   ! The working precision and the constants that follow from it.
   use gearsweep_base_kinds, only: dp, pi
+  ! Interfaces of LAPACK.
+  use gearsweep_base_lapack, only: dgesv, dposv, zpotrf, zpotrs
   ! A text that grows in linear time.
   use gearsweep_base_lines, only: left, lines_t, right
   ! Protection of a call.

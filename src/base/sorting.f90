@@ -1,19 +1,10 @@
 !> Numbers in ascending order, by LAPACK.
 module gearsweep_base_sorting
   use gearsweep_base_kinds, only: dp
+  use gearsweep_base_lapack, only: dlasrt
   implicit none
   private
   public :: sorted
-
-  interface
-    pure subroutine dlasrt(id, n, d, info)
-      import :: dp
-      character, intent(in) :: id
-      integer, intent(in) :: n
-      real(dp), intent(inout) :: d(*)
-      integer, intent(out) :: info
-    end subroutine dlasrt
-  end interface
 
 contains
 

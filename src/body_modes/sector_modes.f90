@@ -5,7 +5,7 @@
 module gearsweep_body_modes_sector_modes
   use, intrinsic :: iso_c_binding, only: c_ptr
   use gearsweep_base, only: begin_products, claim_memory, code_input, code_numerical, dp, end_products, error_t, fail, &
-    lowest_eigenpairs, pencil_t, pi, residual_of, str, wants_stop, work_bytes
+    lowest_eigenpairs, pencil_t, pi, residual_of, str, wants_stop, work_bytes, zpotrf, zpotrs
   use gearsweep_elastic, only: material_t
   use gearsweep_body_modes_cyclic, only: cyclic_t, make_cyclic, unknowns_each
   use gearsweep_body_modes_sector, only: brick_nodes, sector_t
@@ -54,27 +54,6 @@ module gearsweep_body_modes_sector_modes
     procedure :: spread_out
     procedure, private :: gather
   end type diameter_t
-
-  interface
-    !> LAPACK: factors a Hermitian positive definite matrix (Cholesky).
-    subroutine zpotrf(uplo, n, a, lda, info)
-      import :: dp
-      character, intent(in) :: uplo
-      integer, intent(in) :: n, lda
-      complex(dp), intent(inout) :: a(lda, n)
-      integer, intent(out) :: info
-    end subroutine zpotrf
-
-    !> LAPACK: solves with that factor.
-    subroutine zpotrs(uplo, n, nrhs, a, lda, b, ldb, info)
-      import :: dp
-      character, intent(in) :: uplo
-      integer, intent(in) :: n, nrhs, lda, ldb
-      complex(dp), intent(in) :: a(lda, n)
-      complex(dp), intent(inout) :: b(ldb, nrhs)
-      integer, intent(out) :: info
-    end subroutine zpotrs
-  end interface
 
 contains
 

@@ -7,7 +7,7 @@
 !> between its flank and its tip land with a grid of its own, in steps that shrink towards the edge; the mate is a half plane in
 !> closed form. The pressure is found cell by cell, so that both surfaces fit under pressure, and it is zero where they are apart.
 module gearsweep_elastic_corner_stiffness
-  use gearsweep_base, only: begin_products, claim_memory, code_numerical, dp, end_products, error_t, fail, str
+  use gearsweep_base, only: begin_products, claim_memory, code_numerical, dgesv, dp, end_products, error_t, fail, str
   use gearsweep_gear, only: corner_contact, corner_t, drive, pair_t
   use gearsweep_elastic_body, only: body_t, make_body
   use gearsweep_elastic_compliance, only: most_tilt, tooth_t
@@ -39,16 +39,6 @@ module gearsweep_elastic_corner_stiffness
   integer, parameter :: rows = 8
   !> Largest distance of contact from the edge, in half widths, and in depths.
   real(dp), parameter :: widest = 6, deepest = 0.8_dp
-
-  interface
-    !> LAPACK: solves a general linear system.
-    subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
-      import :: dp
-      integer, intent(in) :: n, nrhs, lda, ldb
-      real(dp), intent(inout) :: a(lda, n), b(ldb, nrhs)
-      integer, intent(out) :: ipiv(n), info
-    end subroutine dgesv
-  end interface
 
 contains
 

@@ -4,7 +4,7 @@
 !> tangential displacements; two in a row, condensed to their outer sides, are one superelement of twice as many teeth
 !> (Przemieniecki 1963, AIAA J. 1). Nothing is approximated, and the cost hardly grows with the number of teeth.
 module gearsweep_elastic_superelement
-  use gearsweep_base, only: claim_memory, code_numerical, dp, elements_t, error_t, factor_inner, fail, sparse_t
+  use gearsweep_base, only: claim_memory, code_numerical, dp, dposv, elements_t, error_t, factor_inner, fail, sparse_t
   use gearsweep_elastic_grid, only: grid_t
   use gearsweep_elastic_q8, only: element_mass, element_stiffness, nodes_per_element
   implicit none
@@ -25,17 +25,6 @@ module gearsweep_elastic_superelement
   type :: row_t
     real(dp), allocatable :: stiffness(:, :), momentum(:)
   end type row_t
-
-  interface
-    !> Of LAPACK: solves a symmetric positive definite system by Cholesky's method.
-    pure subroutine dposv(uplo, n, nrhs, a, lda, b, ldb, info)
-      import :: dp
-      character, intent(in) :: uplo
-      integer, intent(in) :: n, nrhs, lda, ldb
-      real(dp), intent(inout) :: a(lda, n), b(ldb, nrhs)
-      integer, intent(out) :: info
-    end subroutine dposv
-  end interface
 
 contains
 

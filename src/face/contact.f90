@@ -1,6 +1,6 @@
 !> Line loads on slices of flanks in contact, with Hertz's flattening under the own load of each slice.
 module gearsweep_face_contact
-  use gearsweep_base, only: code_numerical, dp, error_t, fail, str
+  use gearsweep_base, only: code_numerical, dp, dposv, error_t, fail, str
   implicit none
   private
   public :: flat_t, solve_contact
@@ -11,17 +11,6 @@ module gearsweep_face_contact
     !> Square of the contact's half width per line load, over the square of the reference half width, m/N; (slice).
     real(dp), allocatable :: scale(:)
   end type flat_t
-
-  interface
-    !> Of LAPACK: solves a symmetric positive definite system by Cholesky's method.
-    pure subroutine dposv(uplo, n, nrhs, a, lda, b, ldb, info)
-      import :: dp
-      character, intent(in) :: uplo
-      integer, intent(in) :: n, nrhs, lda, ldb
-      real(dp), intent(inout) :: a(lda, n), b(ldb, nrhs)
-      integer, intent(out) :: info
-    end subroutine dposv
-  end interface
 
 contains
 
