@@ -17,8 +17,8 @@
 !>
 !> On helical gears the lines are oblique, lengths count along the line, and the plane compliance is that of the virtual gear. c1
 !> and c12 change along the line; between two slices their geometric mean acts. An end face where the loaded flank is acute is
-!> softer than a right-angled one, one where it is obtuse stiffer. An end of the line inside the face needs nothing: the tooth goes
-!> on there without a load.
+!> softer than a right-angled one, one where it is obtuse stiffer. A line that ends inside the face needs no correction there, as
+!> the tooth continues beyond it without a load.
 module gearsweep_face_law
   use gearsweep_base, only: dp, pi
   implicit none
@@ -42,20 +42,19 @@ module gearsweep_face_law
   !> Exponents, per tangent of the helix angle, of the mirror images of half space and tooth in an acute end face, and of its
   !> stiffness for gradients of the load.
   real(dp), parameter :: acute_half_space = 3.3_dp, acute_tooth = 1, acute_gradient = 0.7_dp
-  !> Part by which oblique lines raise the compliance of the tooth and of what it shares, per squared tangent of the helix angle.
+  !> Relative increase of c1 and c12 by oblique lines, per squared tangent of the helix angle.
   real(dp), parameter :: oblique = 0.15_dp
 
-  !> One gear's compliance along lines of contact, as second primitives between the bounds of slices: of the images in both end
-  !> faces less those of the slices themselves; (bound, bound), in modules.
+  !> One gear's compliance along lines of contact: second primitives of each kernel at the distances between bounds of slices, those
+  !> of the images in both end faces minus those of the slices themselves; (bound, bound), in modules.
   type :: face_law_t
-    real(dp), allocatable :: bounds(:)           !< distances along the line from the end face z = 0, modules; in any order
-    real(dp) :: length = 0                       !< of a line over the whole face, modules
+    !> Distances along the line from the end face z = 0, modules; in any order, the largest that of the other end face.
+    real(dp), allocatable :: bounds(:)
     real(dp) :: tilt = 0                         !< tangent of the helix angle, positive: acute at z = 0; 0: a spur gear
     real(dp) :: tooth_length = 0, body_length = 0  !< lam and lam_x, modules
     real(dp), allocatable :: half_space(:, :)    !< with a half width of one module
     real(dp), allocatable :: tooth(:, :)         !< per c1
     real(dp), allocatable :: body(:, :)          !< per c12
-    real(dp), allocatable :: even(:, :), gradient(:, :)    !< integrals of the corrections of both end faces; (bound, end face)
   contains
     procedure :: add_bounds
     procedure :: of_line
@@ -83,10 +82,9 @@ contains
     real(dp), intent(in), optional :: tilt       !< as of face_law_t; absent: 0
 
     if (present(tilt)) law%tilt = tilt
-    law%length = bounds(ubound(bounds, 1))
     law%tooth_length = 0.62_dp + 0.11_dp*(remainder + surface)
     law%body_length = 1.5_dp + 1.1_dp*shared
-    allocate (law%bounds(0), law%half_space(0, 0), law%tooth(0, 0), law%body(0, 0), law%even(0, 2), law%gradient(0, 2))
+    allocate (law%bounds(0), law%half_space(0, 0), law%tooth(0, 0), law%body(0, 0))
     call law%add_bounds(bounds)
   end subroutine make_face_law
 
@@ -94,6 +92,7 @@ contains
   pure subroutine add_bounds(law, bounds)
     class(face_law_t), intent(inout) :: law
     real(dp), intent(in) :: bounds(:)
+    real(dp) :: length
     integer :: before, n, j
 
     before = size(law%bounds)
@@ -102,11 +101,10 @@ contains
     call enlarge(law%half_space)
     call enlarge(law%tooth)
     call enlarge(law%body)
-    law%even = even_primitive()
-    law%gradient = gradient_primitive()
+    length = maxval(law%bounds)
     do j = before + 1, n
       associate (at => law%bounds(j), others => law%bounds(:j))
-        associate (apart => abs(others - at), near => others + at, far => (law%length - others) + (law%length - at))
+        associate (apart => abs(others - at), near => others + at, far => (length - others) + (length - at))
           law%half_space(:j, j) = exp(acute_half_space*law%tilt)*half_space(near) &
                                   + exp(-acute_half_space*law%tilt)*half_space(far) - half_space(apart)
           law%tooth(:j, j) = exp(acute_tooth*law%tilt)*plate(near, law%tooth_length, 1.0_dp) &
@@ -130,34 +128,13 @@ contains
       allocate (table(n, n))
       table(:before, :before) = known
     end subroutine enlarge
-
-    !> Distances of the bounds from both end faces.
-    pure function from_ends() result(y)
-      real(dp) :: y(n, 2)
-
-      y(:, 1) = law%bounds
-      y(:, 2) = law%length - law%bounds
-    end function from_ends
-
-    pure function even_primitive() result(primitive)
-      real(dp) :: primitive(n, 2)
-
-      primitive = erf(from_ends()/end_reach)
-    end function even_primitive
-
-    pure function gradient_primitive() result(primitive)
-      real(dp) :: primitive(n, 2)
-
-      associate (y => from_ends())
-        primitive = y*exp(-y)
-      end associate
-    end function gradient_primitive
   end subroutine add_bounds
 
-  !> Terms over the slices between these bounds of one line, ascending: indices in the law's.
+  !> Terms over the slices of one line. `list`: indices of their bounds in the law, along the line.
   pure type(line_law_t) function of_line(law, list) result(line)
     class(face_law_t), intent(in) :: law
     integer, intent(in) :: list(:)
+    real(dp), dimension(size(list)) :: y, primitive  ! y: distances from an end face
     real(dp), dimension(size(list) - 1) :: even, gradient
     integer :: end, j, n
 
@@ -167,8 +144,12 @@ contains
     line%body = over_slices(law%body(list, list))
     allocate (line%ends(n, n), source=0.0_dp)
     do end = 1, 2
-      even = end_reach*sqrt(pi)/2*abs(law%even(list(2:), end) - law%even(list(:n), end))
-      gradient = law%gradient(list(2:), end) - law%gradient(list(:n), end)
+      y = law%bounds(list)
+      if (end == 2) y = maxval(law%bounds) - y
+      primitive = erf(y/end_reach)
+      even = end_reach*sqrt(pi)/2*abs(primitive(2:) - primitive(:n))
+      primitive = y*exp(-y)
+      gradient = primitive(2:) - primitive(:n)
       associate (steep => end_gradient*exp(merge(acute_gradient, -acute_gradient, end == 1)*law%tilt))
         do j = 1, n
           line%ends(:, j) = line%ends(:, j) + (end_body*(even*even(j)) + steep*(gradient*gradient(j)))

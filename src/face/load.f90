@@ -6,7 +6,7 @@
 !> their loads. The rotation of complete gears about their bores is in series with all lines. A line load is per length of the line;
 !> on the transverse line of action it is the load over the face width along z.
 module gearsweep_face_load
-  use gearsweep_base, only: code_input, dp, error_t, fail, pi, piecewise_t, str
+  use gearsweep_base, only: code_input, dp, error_t, fail, pi, piecewise_t, sorted, str
   use gearsweep_gear, only: pair_t
   use gearsweep_elastic, only: check_contact, contact_half_width, fe_options_t, material_t, plane_compliance, plane_tooth_t, teeth_t
   use gearsweep_face_contact, only: flat_t, solve_contact
@@ -38,7 +38,6 @@ module gearsweep_face_load
     real(dp), allocatable :: s(:)                !< path coordinate in the middle of each slice
     real(dp) :: start = 0                        !< path coordinate at z = 0, which may be past the path
   contains
-    procedure :: middles
     procedure :: onto_face
   end type line_t
 
@@ -60,17 +59,15 @@ module gearsweep_face_load
     real(dp), allocatable :: pair_load(:, :), pair_stiffness(:, :)
     real(dp), allocatable :: factor(:)           !< largest load over one module of the face over F/b; (row)
     real(dp), allocatable :: contact(:)          !< fraction of the length of all lines that carries; (row)
-    !> K_H beta: of the mean over the period of the load of all pairs, largest at any phase, in the middle of contact of the
-    !> fewest pairs; the last is the first of helical gears, whose lines cover parts of the face that change with the phase.
-    real(dp) :: mean_factor = 0, worst_factor = 0, single_factor = 0
-    real(dp) :: worst_phase = 0
+    !> K_H beta: of the mean over the period of the load of all pairs, and in the middle of contact of the fewest pairs. For helical
+    !> gears the second equals the first, as their lines cover parts of the face that change with the phase.
+    real(dp) :: mean_factor = 0, single_factor = 0
     !> K_F beta: largest root stress along the face over that of an even load, at the outer points of contact of the fewest
     !> pairs, the larger of pinion's and gear's; of helical gears under the load's mean over the period.
     real(dp) :: root_factor = 0
     real(dp) :: edge_load = 0                    !< mean over the period of the load on the outermost module, larger end, over F/b
     !> Fraction of the face that carries in the middle of contact of the fewest pairs; of helical gears the mean of `contact`.
     real(dp) :: in_contact = 0
-    real(dp) :: largest_pressure = 0             !< Pa
   contains
     procedure :: middle
     procedure :: load_at
@@ -187,10 +184,16 @@ contains
     class(face_load_t), intent(in) :: product
     real(dp) :: middle(ubound(product%bounds, 1))
 
-    associate (n => size(middle))
-      middle = (product%bounds(:n - 1) + product%bounds(1:))/2
-    end associate
+    middle = middle_of(product%bounds)
   end function middle
+
+  !> Middle of each slice between these bounds, m.
+  pure function middle_of(bounds) result(middle)
+    real(dp), intent(in) :: bounds(0:)
+    real(dp) :: middle(ubound(bounds, 1))
+
+    middle = (bounds(:ubound(bounds, 1) - 1) + bounds(1:))/2
+  end function middle_of
 
   !> Line load of all pairs at a row, N/m; (slice).
   pure function load_at(product, row)
@@ -250,7 +253,7 @@ contains
     associate (ratio => mesh%pair%contact_ratio)
       ends = [0.0_dp, ratio - aint(ratio), overlap - aint(overlap), modulo(ratio + overlap, 1.0_dp), 1.0_dp]
     end associate
-    call sort(ends(2:4))
+    ends(2:4) = sorted(ends(2:4))
     allocate (product%phase(0), product%share(0), product%pairs(0))
     do i = 1, 4
       associate (length => ends(i + 1) - ends(i))
@@ -270,13 +273,6 @@ contains
     allocate (product%pair_stiffness, source=product%pair_load)
     allocate (product%deflection, source=product%error)
   end subroutine place_phases
-
-  !> Puts three numbers in ascending order.
-  pure subroutine sort(x)
-    real(dp), intent(inout) :: x(3)
-
-    x = [minval(x), sum(x) - minval(x) - maxval(x), maxval(x)]
-  end subroutine sort
 
   !> Cuts the lines of contact at the phase of `row` into slices, and adds the bounds at their ends inside the face to the law of
   !> both gears.
@@ -320,7 +316,7 @@ contains
       if (is_inside(2)) added = [added, ends(2)]
       allocate (line(j)%bounds(0:size(inner) + 1))
       line(j)%bounds = [ends(1), product%bounds(inner), ends(2)]
-      line(j)%s = line(j)%start - mesh%pair%lag()*line(j)%middles()
+      line(j)%s = line(j)%start - mesh%pair%lag()*middle_of(line(j)%bounds)
       if (.not. mesh%pair%overlap_ratio > 0) line(j)%s = min(line(j)%s, mesh%pair%contact_ratio)
     end do
     if (size(added) == 0) return
@@ -328,16 +324,6 @@ contains
       call law(i)%add_bounds(added/mesh%slant()/mesh%pair%gear(1)%spec%module)
     end do
   end subroutine place_lines
-
-  !> Middle of each slice of a line over the face, m.
-  pure function middles(line)
-    class(line_t), intent(in) :: line
-    real(dp) :: middles(ubound(line%bounds, 1))
-
-    associate (n => size(middles))
-      middles = (line%bounds(:n - 1) + line%bounds(1:))/2
-    end associate
-  end function middles
 
   !> Mean of a line's values over each slice of the face between the `bounds` (m); 0 where the line does not run.
   pure function onto_face(line, values, bounds) result(mean)
@@ -442,10 +428,10 @@ contains
       real(dp) :: gap(size(line%s))
       real(dp) :: shaft_gap(size(product%gap) + size(gap))
 
-      gap = alignment%gap(mesh%width, line%middles())
+      gap = alignment%gap(mesh%width, middle_of(line%bounds))
       if (.not. present(shaft)) return
       ! From the place of the face where the shaft leaves no gap.
-      shaft_gap = shaft%gap(load, mesh%width, [product%middle(), line%middles()])
+      shaft_gap = shaft%gap(load, mesh%width, [product%middle(), middle_of(line%bounds)])
       associate (n => size(product%gap))
         gap = gap + (shaft_gap(n + 1:) - minval(shaft_gap(:n)))
       end associate
@@ -476,7 +462,7 @@ contains
       shared = 0
       do i = 1, 2
         here = with_next(i, line%s, later)
-        there = with_next(i, line%start - mesh%pair%lag()*next%middles(), later)
+        there = with_next(i, line%start - mesh%pair%lag()*middle_of(next%bounds), later)
         associate (term => law(i)%between(line%list, next%list))
           do j = 1, size(there)
             shared(:, j) = shared(:, j) + mean_of(here, there(j))*term(:, j)
@@ -485,7 +471,7 @@ contains
       end do
     end function between_lines
 
-    !> What a tooth of a gear shares with the one `later` teeth after it, m2/N, at path coordinates `s` of the earlier tooth.
+    !> Compliance that a tooth of a gear shares with the one `later` teeth after it, m2/N; `s`: of the earlier one.
     pure function with_next(gear, s, later) result(shared)
       integer, intent(in) :: gear, later
       real(dp), intent(in) :: s(:)
@@ -515,14 +501,10 @@ contains
       mean = mean + product%share(i)*product%load_at(i)
     end do
     product%mean_factor = largest_mean(product%bounds, mean, mesh%pair%gear(1)%spec%module)/per
-    i = maxloc(product%factor, 1)
-    product%worst_factor = product%factor(i)
-    product%worst_phase = product%phase(i)
     associate (b => product%bounds, m => mesh%pair%gear(1)%spec%module)
       edge = [load_between(b, mean, 0.0_dp, m), load_between(b, mean, mesh%width - m, mesh%width)]
       product%edge_load = maxval(edge)/(m*per)
     end associate
-    product%largest_pressure = maxval(product%pressure)
     spread = root_spread(product%bounds/mesh%pair%gear(1)%spec%module)
     if (mesh%pair%overlap_ratio > 0) then
       product%single_factor = product%mean_factor

@@ -1,10 +1,10 @@
 !> Pairs of helical gears as springs, for their motion.
 !>
-!> A pair is in contact over the total contact ratio, and its line of contact grows from nothing and shrinks to nothing. Under the
-!> nominal load it has a load F and a tangent stiffness K over the deflection x that all pairs share. The motion has the load
-!> K (x - e) instead, with e = x - F/K: exact at the nominal load, and at others as far as lines bear over their whole length and
-!> flanks flatten alike. A pair that does not carry is about to touch, e = x. What neighbouring lines deflect of their bodies is
-!> in K and e.
+!> A pair is in contact over the total contact ratio; the length of its line of contact grows from 0 and decreases to 0. Under the
+!> nominal load a pair carries F with the tangent stiffness K at the deflection x, which is that of all pairs. In the motion it
+!> carries K (x - e), with e = x - F/K. This is exact at the nominal load; at other loads it holds as long as lines carry over their
+!> whole length, but for the flattening of the flanks, whose stiffness rises with the load. A pair without a load has e = x, so that
+!> it is about to touch. K and e include the compliance that neighbouring lines share.
 module gearsweep_face_springs
   use gearsweep_base, only: dp, joined, piecewise_t, spline
   use gearsweep_face_load, only: face_load_t
@@ -52,7 +52,7 @@ contains
     s(n) = total
     k(n) = 0
     e(n) = load%deflection(size(load%deflection))
-    ! Next to places at which it carries, e changes little while K vanishes.
+    ! Where the pair does not carry: e of the nearest place at which it does, as e changes little while K vanishes.
     do i = n - 1, 1, -1
       if (.not. k(i) > 0 .and. k(i + 1) > 0) e(i) = e(i + 1)
     end do
@@ -66,7 +66,7 @@ contains
 
   contains
 
-    !> Spline through all places, in parts between which its slope jumps; straight lines to the first and the last, so that K stays
+    !> Splines between the places at which the slope jumps; straight lines in the first and the last interval, so that K stays
     !> above 0.
     pure type(piecewise_t) function through(s, values) result(curve)
       real(dp), intent(in) :: s(:), values(:)

@@ -10,28 +10,38 @@ module gearsweep_study_run_face_stage
   use gearsweep_study_run_stages, only: stages_t
   implicit none
   private
-  public :: find_face_loads, build_helical_motions
+  public :: build_faces, find_face_loads, build_helical_motions
 
 contains
 
-  !> Finds the load distribution with each relief under the static load of the case. The plane compliance is that of the pair
-  !> stiffness, which is by finite elements (`check_case`).
-  subroutine find_face_loads(stages, loads, error)
+  !> Builds the mesh over the face width without relief. Its plane compliance is that of the pair stiffness, which is by finite
+  !> elements (`check_case`).
+  subroutine build_faces(stages, faces, error)
     type(stages_t), intent(in) :: stages
+    type(face_mesh_t), intent(out) :: faces
+    type(error_t), allocatable, intent(inout) :: error
+    type(teeth_t) :: teeth
+
+    if (allocated(error)) return
+    teeth = stages%teeth
+    associate (inputs => stages%elements_inputs)
+      call make_face_mesh(inputs%pair, inputs%material, inputs%options, faces, error, teeth=teeth)
+    end associate
+  end subroutine build_faces
+
+  !> Finds the load distribution with each relief under the static load of the case.
+  subroutine find_face_loads(stages, faces, loads, error)
+    type(stages_t), intent(in) :: stages
+    type(face_mesh_t), intent(in) :: faces       !< of `build_faces`
     type(face_load_t), allocatable, intent(out) :: loads(:)          !< (relief)
     type(error_t), allocatable, intent(inout) :: error
     type(face_mesh_t) :: mesh
-    type(teeth_t) :: teeth
     integer :: i
 
     if (allocated(error)) return
-    associate (inputs => stages%elements_inputs)
-      call claim_memory(2e5_dp*size(stages%amount), '&relief amount_um: '//str(size(stages%amount))//' reliefs', error)
-      if (allocated(error)) return
-      teeth = stages%teeth
-      call make_face_mesh(inputs%pair, inputs%material, inputs%options, mesh, error, teeth=teeth)
-    end associate
+    call claim_memory(2e5_dp*size(stages%amount), '&relief amount_um: '//str(size(stages%amount))//' reliefs', error)
     if (allocated(error)) return
+    mesh = faces
     allocate (loads(size(stages%amount)))
     do i = 1, size(loads)
       if (allocated(stages%profile_error)) then
@@ -45,24 +55,20 @@ contains
   end subroutine find_face_loads
 
   !> Builds the oscillators of helical gears, one for each relief, with parallel faces: their pairs as springs.
-  subroutine build_helical_motions(stages, inputs, motion, error)
+  subroutine build_helical_motions(stages, faces, inputs, motion, error)
     type(stages_t), intent(in) :: stages
+    type(face_mesh_t), intent(in) :: faces       !< of `build_faces`
     type(motions_inputs_t), intent(inout) :: inputs        !< of the oscillators; out: with the springs of the first relief
     type(oscillator_t), allocatable, intent(out) :: motion(:)        !< (relief)
     type(error_t), allocatable, intent(inout) :: error
     type(face_mesh_t) :: mesh
     type(face_load_t) :: load
     type(motions_inputs_t) :: one
-    type(teeth_t) :: teeth
     real(dp) :: total
     integer :: i
 
     if (allocated(error)) return
-    teeth = stages%teeth
-    associate (of => stages%elements_inputs)
-      call make_face_mesh(of%pair, of%material, of%options, mesh, error, teeth=teeth)
-    end associate
-    if (allocated(error)) return
+    mesh = faces
     total = mesh%pair%contact_ratio + mesh%pair%lag()*mesh%width
     allocate (motion(size(stages%amount)))
     do i = 1, size(motion)

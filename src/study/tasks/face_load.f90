@@ -138,8 +138,9 @@ contains
                    [(loads(i)%single_factor, i=1, m)])
     call table%add('mean_face_load_factor', '', 'K_H_beta of the load''s mean over the mesh period', &
                    [(loads(i)%mean_factor, i=1, m)])
-    call table%add('worst_face_load_factor', '', 'K_H_beta at the phase where it is largest', [(loads(i)%worst_factor, i=1, m)])
-    call table%add('worst_phase', '', 'that mesh phase', [(loads(i)%worst_phase, i=1, m)])
+    call table%add('worst_face_load_factor', '', 'K_H_beta at the phase where it is largest', [(maxval(loads(i)%factor), i=1, m)])
+    call table%add('worst_phase', '', 'that mesh phase', &
+                   [(loads(i)%phase(maxloc(loads(i)%factor, 1)), i=1, m)])
     call table%add('root_face_load_factor', '', 'K_F_beta: largest root stress along the face over that of an even load, at '// &
                    'the outer points of contact of the fewest pairs, of helical gears under the mean load', &
                    [(loads(i)%root_factor, i=1, m)])
@@ -150,7 +151,7 @@ contains
                    [(loads(i)%in_contact, i=1, m)])
     call table%add('largest_line_load_n_mm', 'N/mm', 'largest load of a slice over its width', &
                    [(maxval(loads(i)%line_load), i=1, m)])
-    call table%add('largest_pressure_mpa', 'MPa', 'largest Hertz pressure of a slice', [(loads(i)%largest_pressure, i=1, m)])
+    call table%add('largest_pressure_mpa', 'MPa', 'largest Hertz pressure of a slice', [(maxval(loads(i)%pressure), i=1, m)])
     call table%add('ste_mean_um', 'um', 'mean static transmission error', [(sum(loads(i)%share*loads(i)%error), i=1, m)])
     call table%add('ste_peak_to_peak_um', 'um', 'its peak-to-peak value', &
                    [(maxval(loads(i)%error) - minval(loads(i)%error), i=1, m)])
