@@ -148,7 +148,7 @@ contains
 
   !> Factors of a pair. They apply to contact ratios from 1 to 2; above 2 no pair carries the full load, and Z_B and Z_D are 1, as
   !> Z_eps covers the load sharing on the safe side.
-  !> Of helical gears Z_B and Z_D fall with the overlap ratio, to 1 at 1.
+  !> For helical gears, Z_B - 1 and Z_D - 1 decrease linearly with the overlap ratio, to 0 at an overlap ratio of 1.
   !> Source: ISO 6336-2:2006, clauses 6 (Z_H, Z_B, Z_D), 7 (Z_E), 8 (Z_eps) and 9; Z_beta as its corrigendum
   !> of 2008 has it.
   pure function flank_factors(pair, young, poisson) result(factors)

@@ -31,9 +31,7 @@ def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
     """
     dynamic = table_of(dynamic, 'dynamic_factors')
     reliefs = Reliefs(dynamic.case)
-    methods = [(dynamic.dynamic_factor_b, 'Method B', FINE)]
-    if 'dynamic_factor_a' in dynamic.units:  # not of helical gears
-        methods.insert(0, (dynamic.dynamic_factor_a, 'Method A: motion', {}))
+    methods = [(dynamic.dynamic_factor_a, 'Method A: motion', {}), (dynamic.dynamic_factor_b, 'Method B', FINE)]
     with canvas(ax) as ax:
         ax.set_ylabel('Dynamic factor $K_v$ (–)')
         if len(dynamic.rpm) == 1:

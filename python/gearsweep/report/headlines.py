@@ -155,8 +155,8 @@ def _rating(study: Study) -> Iterator[Headline]:
         yield Headline('rating', 'rating', 'Least safety', ', '.join(known), of_relief + ground)
     contact, root = (shown(_most(rating._read(column))) for column in ('contact_stress_mpa', 'root_stress_mpa'))
     yield Headline('rating', 'rating', 'Largest stress', f'{contact} and {root} MPa', 'on the flanks and at the roots')
-    by = {method: _most(factors._read(f'dynamic_factor_{method}')) for method in 'ab' if f'dynamic_factor_{method}' in factors.units}
-    yield Headline('rating', 'rating', 'Largest K_v', shown(max(by.values())), ', '.join(f'Method {name.upper()} {shown(factor)}' for name, factor in by.items()))
+    by_a, by_b = (_most(factors._read(f'dynamic_factor_{method}')) for method in 'ab')
+    yield Headline('rating', 'rating', 'Largest K_v', shown(max(by_a, by_b)), f'Method A {shown(by_a)}, Method B {shown(by_b)}')
 
 
 def _best_rated(study: Study) -> tuple[np.ndarray, str]:

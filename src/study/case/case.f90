@@ -220,11 +220,11 @@ contains
     computes_mass = self%needs(stage%mesh) .and. .not. (self%mass(gear) > 0 .or. self%inertia(gear) > 0) .and. self%uses_masses()
   end function computes_mass
 
-  !> True if a result depends on the masses: of helical gears those of rating and sweep.
+  !> True if a result depends on the masses: of helical gears those of the motion.
   pure logical function uses_masses(self)
     class(case_t), intent(in) :: self
 
-    uses_masses = .not. self%is_helical() .or. self%requests('rating') .or. self%requests('sweep')
+    uses_masses = .not. self%is_helical() .or. self%needs(stage%motion)
   end function uses_masses
 
   !> Number of speeds of the sweep.

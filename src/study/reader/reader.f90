@@ -15,7 +15,7 @@ module gearsweep_study_reader_reader
     read_numbers, read_texts, shortest_digits
   implicit none
   private
-  public :: reader_t, open_list, open_reader, text_unless, first_nonblank, is_helical, is_prescribed
+  public :: reader_t, open_list, open_reader, text_unless, first_nonblank, is_prescribed
 
   !> Length of a list of tasks in a sentence: room for the 32 tasks that gearsweep_api_tasks may hold, with the separators.
   integer, parameter, public :: sentence_length = 32*24
@@ -468,19 +468,6 @@ contains
     words = one
     if (len_trim(one) == 0) words = other
   end function first_nonblank
-
-  !> True if the case states a helix angle other than 0.
-  pure logical function is_helical(reader)
-    type(reader_t), intent(in) :: reader
-    real(dp) :: angle
-    integer :: at, status
-
-    at = reader%list%position('pair', 'helix_angle_deg')
-    is_helical = at > 0
-    if (.not. is_helical) return
-    read (reader%list%entries(at)%values(1)%text, *, iostat=status) angle
-    if (status == 0) is_helical = abs(angle) > 0
-  end function is_helical
 
   !> True if the mesh is prescribed, without gears.
   pure logical function is_prescribed(reader)

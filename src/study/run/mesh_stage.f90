@@ -264,8 +264,8 @@ contains
     if (allocated(study%case%torques) .and. .not. allocated(error)) call find_other_loads(study, folder, error)
   end subroutine mesh_and_motion
 
-  !> Finds the profile errors of helical gears for each relief, and the inputs of the load over their face width. No stiffness of a
-  !> pair over the path alone describes their mesh, so that there is no motion.
+  !> Finds the profile errors of helical gears for each relief, and the inputs of the load over their face width, from which their
+  !> motion follows: no stiffness of a pair over the path of the transverse section describes their mesh.
   subroutine find_reliefs(study, error)
     type(study_t), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error

@@ -53,7 +53,7 @@ module gearsweep_study_run_stages
     real(dp) :: load = 0                         !< static load on the line of action, N
     real(dp) :: mass(2) = 0                      !< effective masses of pinion and gear, kg
     real(dp) :: hub_mass(2) = 0                  !< part of these masses at the hubs, kg
-    type(oscillator_t), allocatable :: motion(:)  !< oscillators, one for each relief; not allocated for helical gears
+    type(oscillator_t), allocatable :: motion(:)  !< oscillators, one for each relief
     type(piecewise_t), allocatable :: profile_error(:)     !< of helical gears, one for each relief, m over s
     type(motions_inputs_t) :: motions_inputs     !< inputs of the oscillators, and so of all later results but for the section's
     real(dp), allocatable :: torque(:)           !< torques of &load torques_nm, N m; not allocated: there is one load

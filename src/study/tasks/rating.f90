@@ -6,7 +6,7 @@ module gearsweep_study_tasks_rating
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_base, only: axis, claim_memory, code_memory, dp, each, error_t, fail, lines_t, lower, no_number, piecewise_t, str, &
     table_t, wants_stop
-  use gearsweep_gear, only: drive, normal_section, pair_t
+  use gearsweep_gear, only: drive, gear_t, normal_section, pair_t
   use gearsweep_mesh, only: balance_t, contact_intervals, iso_stiffness, share_load, sharing_t
   use gearsweep_motion, only: has_result, oscillator_t, point_t, status_stopped
   use gearsweep_rating, only: common_names, contact_life_curve, contact_number, contact_stress, counted_relief, deviations_of, &
@@ -14,8 +14,7 @@ module gearsweep_study_tasks_rating
     load_factors_t, material_length, method_b_t, no_grade, nominal_of, nominal_t, resonance_ratio, root_life_curve, root_number, &
     test_gear_correction, tooth_root_stress
   use gearsweep_study_case_task, only: gear_names, stage, task_info_t
-  use gearsweep_study_reader_reader, only: first_nonblank, is_helical, is_prescribed, needs_gears, reader_t, &
-    sentence_length, text_unless
+  use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_point, known_count, of_estimate, &
     of_factor, of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
@@ -305,14 +304,7 @@ contains
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, not_allowed=geared, &
                     at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
     method = methods(by_larger)
-    ! Of helical gears there is no motion.
-    if (is_helical(reader)) then
-      where (self%needs == stage%motion .or. self%needs == stage%losses .or. self%needs == stage%accuracy) self%needs = 0
-      method = methods(by_b)
-    end if
-    call reader%get(group, 'dynamic_factor_method', method, error, tasks=group, not_allowed=first_nonblank(geared, &
-                    text_unless(.not. is_helical(reader), 'helical gears have K_v by Method B; remove it')), allowed=methods, &
-                    default_note='larger, of helical gears b', &
+    call reader%get(group, 'dynamic_factor_method', method, error, tasks=group, not_allowed=geared, allowed=methods, &
                     meaning='which K_v of ISO 6336-1 stresses and safety factors take: that of Method A (a: from the motion, '// &
                     'without deviations of the teeth), of Method B (b: by formula), or the larger of both')
     if (.not. allocated(error)) self%method = findloc(methods == method, .true., 1)
@@ -360,6 +352,7 @@ contains
     type(method_b_t), allocatable :: of(:)                 ! inputs of Method B; (relief)
     type(nominal_t) :: nominal
     type(pair_t) :: normal
+    type(gear_t), allocatable :: virtual(:)      ! of helical gears
     integer :: grade, i, k
     logical :: out_of_memory
 
@@ -368,13 +361,15 @@ contains
     self%has_face = stages%faces%are_uneven()
     self%factors%face_load = face_load_factor(stages, self%factors%face_load)
     call need_method_b(stages, self%accuracy, of, grade, error)
-    if (.not. allocated(error)) call normal_section(stages%pair, .false., normal, error)
-    call claim_memory(1000.0_dp*size(stages%amount)*size(self%own_rpm), '&rating rpm: '// &
-                      str(size(stages%amount)*size(self%own_rpm))//' motions', error)
+    if (.not. allocated(error) .and. stages%pair%overlap_ratio > 0) then
+      call normal_section(stages%pair, .false., normal, error)
+      virtual = normal%gear
+    end if
+    call claim_memory(1000.0_dp*size(stages%motion)*size(self%own_rpm), '&rating rpm: '// &
+                      str(size(stages%motion)*size(self%own_rpm))//' motions', error)
     if (allocated(error)) return
-    allocate (point(size(self%own_rpm), size(stages%amount)), motions(size(self%own_rpm), size(stages%amount)))
-    do i = 1, size(stages%amount)
-      if (allocated(stages%profile_error)) exit
+    allocate (point(size(self%own_rpm), size(stages%motion)), motions(size(self%own_rpm), size(stages%motion)))
+    do i = 1, size(stages%motion)
       do k = 1, size(self%own_rpm)
         if (wants_stop(stages%accuracy%steady%stop)) return
         call find_point(stages%motion(i), self%own_rpm(k), stages%accuracy, point(k, i), motions(k, i), out_of_memory)
@@ -384,26 +379,20 @@ contains
         call stages%running%report_progress(1, stages%accuracy%steady%stop)
       end do
     end do
-    if (.not. allocated(stages%profile_error)) then
-      nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade)
-    else
-      nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade, &
-                           normal%gear)
-    end if
+    nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade, &
+                         virtual)
     if (self%has_face) nominal%root_face_load = maxval(stages%face_loads%root_factor)
     call fill_dynamic(stages, self%own_rpm, of, point, motions, self%tables(self%place('dynamic_factors')), error)
     call fill_factors(stages, self, nominal, of(1), self%tables(self%place('rating_factors')), error)
     call fill_rating(self, nominal, stages%amount, [stages%pair%gear%spec%teeth], self%tables(self%place('rating')), error)
     self%is_done = .true.
-    if (.not. allocated(stages%profile_error)) then
-      self%is_stopped = any(point%steady%status == status_stopped)
-      self%failed = count(.not. has_result(point%steady%status))
-    end if
+    self%is_stopped = any(point%steady%status == status_stopped)
+    self%failed = count(.not. has_result(point%steady%status))
     self%log = 'rating: '//str(size(point))//' operating points rated'
   end subroutine run
 
   !> Fills K_v by both methods.
-  subroutine fill_dynamic(stages, rpm, of, point, motions, table, error)
+  pure subroutine fill_dynamic(stages, rpm, of, point, motions, table, error)
     type(stages_t), intent(in) :: stages
     real(dp), intent(in) :: rpm(:)
     type(method_b_t), intent(in) :: of(:)
@@ -411,6 +400,8 @@ contains
     integer, intent(in) :: motions(:, :)         ! number of motions
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: factor(:), share(:)
+    integer, allocatable :: status(:)
     integer :: i, m, n
 
     m = size(stages%amount)
@@ -418,29 +409,19 @@ contains
     call table%over('dynamic factor K_v by Method A, from the motion, and by Method B', error, &
                     axis('relief_um', 'um', of_relief, stages%amount), axis('rpm', '1/min', of_speed, rpm))
     if (allocated(error)) return
-    if (.not. allocated(stages%profile_error)) call add_method_a()
+    share = each([(largest_share(stages%motion(i)), i=1, m)], n)
+    status = [point%steady%status]
+    factor = merge([point%dynamic_factor], no_number(), has_result(status))
+    call table%add('dynamic_factor', '', of_factor, factor)
+    call table%add('error_estimate', '', of_estimate, merge([point%estimate], no_number(), has_result(status)))
+    call table%add_words('status', of_status, words_of(status))
+    call table%add('motions', '', of_motions, [known_count(motions)])
+    call table%add('static_share', '', 'largest load of a pair at rest over the static load', share)
+    call table%add('dynamic_factor_a', '', 'K_v by ISO 6336-1, Method A: DF over static_share, at least 1; NaN where there is '// &
+                   'no answer', dynamic_factor_a(factor, share))
     call table%add('dynamic_factor_b', '', 'K_v by ISO 6336-1, Method B', [(dynamic_factor_b(of(i), rpm), i=1, m)])
     call table%add('resonance_ratio', '', 'N: speed over the resonance running speed of Method B', &
                    [(resonance_ratio(of(i), rpm), i=1, m)])
-
-  contains
-
-    !> Adds what follows from the motion.
-    subroutine add_method_a()
-      real(dp), allocatable :: factor(:), share(:)
-      integer, allocatable :: status(:)
-
-      share = each([(largest_share(stages%motion(i)), i=1, m)], n)
-      status = [point%steady%status]
-      factor = merge([point%dynamic_factor], no_number(), has_result(status))
-      call table%add('dynamic_factor', '', of_factor, factor)
-      call table%add('error_estimate', '', of_estimate, merge([point%estimate], no_number(), has_result(status)))
-      call table%add_words('status', of_status, words_of(status))
-      call table%add('motions', '', of_motions, [known_count(motions)])
-      call table%add('static_share', '', 'largest load of a pair at rest over the static load', share)
-      call table%add('dynamic_factor_a', '', 'K_v by ISO 6336-1, Method A: DF over static_share, at least 1; NaN where there '// &
-                     'is no answer', dynamic_factor_a(factor, share))
-    end subroutine add_method_a
   end subroutine fill_dynamic
 
   !> Fills the factors that do not depend on the speed.
@@ -522,9 +503,8 @@ contains
                     axis('gear', '', 'pinion or gear', gear_names))
     if (allocated(error)) return
     associate (table => self%tables(self%place('dynamic_factors')))
+      a = each(table%numbers('dynamic_factor_a'), 2)
       b = each(table%numbers('dynamic_factor_b'), 2)
-      a = b
-      if (table%position('dynamic_factor_a') > 0) a = each(table%numbers('dynamic_factor_a'), 2)
     end associate
     takes_b = spread(self%method == by_b, 1, size(a))
     if (self%method == by_larger) takes_b = b > a
@@ -576,13 +556,9 @@ contains
         call lines%add('   pinion: '//trim(ground(1)))
         call lines%add('   gear: '//trim(ground(2)))
       end if
-      if (dynamic%position('dynamic_factor_a') > 0) then
-        call dynamic%show(lines, 'relief_um rpm dynamic_factor_a dynamic_factor_b status')
-      else
-        call dynamic%show(lines, 'relief_um rpm dynamic_factor_b')
-      end if
+      call dynamic%show(lines, 'relief_um rpm dynamic_factor_a dynamic_factor_b status')
       call rating%show(lines, 'relief_um rpm gear contact_stress_mpa contact_safety root_stress_mpa root_safety')
-      if (dynamic%position('motions') > 0) call add_several(dynamic, lines)
+      call add_several(dynamic, lines)
       if (self%life > 0) then
         call lines%add('   for '//str(self%life/hour)//' h')
         call add_life_curves(self%limits, lines)

@@ -168,6 +168,8 @@ contains
                '&pair helix_angle_deg = 15: for helical gears &mesh model must be ''fe''')
     call state('helix_angle_deg = 32'//load(.true.)//speeds, 'sweep', &
                '&pair helix_angle_deg = 32: the load over the face width is known up to 30')
+    call state('helix_angle_deg = 32'//load(.true.)//' / &rating rpm = 500', 'rating', &
+               '&pair helix_angle_deg = 32: the load over the face width is known up to 30')
     call state('helix_angle_deg = 15'//load(.true.)//speeds//' / &dynamics friction = 0.05', 'sweep', &
                '&dynamics friction = 0.05: of helical gears the motion has none; remove it')
     call state('helix_angle_deg = 0 pinion_hand = ''left''', 'geometry', &
