@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compiles what changed, and links it: python3 app/build.py FOLDER library|program|check [--flags=...] [--c-flags=...] [--link-flags=...]
 FOLDER gets libgearsweep.a, its modules (in src), and the program or the tests (`check`). Without flags: as released; $FFLAGS come behind.
-How far it is goes to stdout, what the compilers say to stderr."""
+Progress goes to stdout, messages of the compilers to stderr."""
 
 import argparse
 import concurrent.futures
@@ -47,12 +47,12 @@ class Source:
         self.modules = [home / f'{name}.mod' for name in self.has]
         self.command = [*words, '-c', self.name, '-o', str(self.object)]
         self.key = digest(text, options.compiler, *self.command)
-        # In units of a character's; modules that are used take time to read.
+        # In characters of text; reading the modules that it uses is added in `in_order`.
         self.cost = len(text) * (0.2 if path.suffix == '.c' else 0.45 if is_light else 1)
         self.tail = 0  # the cost of the longest chain of files that use each other, from this one on
 
     def interface(self):
-        """Where it is as before, what uses this file need not be compiled again."""
+        """Digest of its modules: while it is the same, files that use them need not be compiled again."""
         return digest(*(hashlib.sha256(module.read_bytes()).hexdigest() for module in self.modules))
 
 
@@ -77,12 +77,12 @@ class Build:
         owner = {module: source for source in sources for module in source.has}
         self.sources, self.journal = sources, folder / 'journal'
         self.needs = {source: {owner[name] for name in source.uses if name in owner} - {source} for source in sources}
-        # By name: what the file and those that it uses were as it was compiled, and its interface.
+        # By name of the file: the key with which it was compiled, and its interface.
         lines = self.journal.read_text().splitlines() if self.journal.exists() else []
         self.done = {name: (key, interface) for name, key, interface in map(str.split, lines)}
 
     def compile(self, source):
-        """Unless it is as it was. Was it compiled?"""
+        """Compiles a file unless its key is that of the last time; returns whether it was compiled."""
         key = digest(source.key, *sorted(f'{need.name} {self.done[need.name][1]}' for need in self.needs[source]))
         if self.done.get(source.name, ('',))[0] == key and all(file.exists() for file in (source.object, *source.modules)):
             return False
@@ -96,7 +96,7 @@ class Build:
         return True
 
     def in_order(self):
-        """Each file behind those that it uses; knows then what most waits for."""
+        """Lists each file after those that it uses, and finds the costs of their chains."""
         order, waiting = [], dict(self.needs)
         while waiting:
             ready = [source for source, needs in waiting.items() if not needs & waiting.keys()]

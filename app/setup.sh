@@ -39,7 +39,7 @@ quietly() {
   shift
   "$@" >"$log" 2>&1 </dev/null || show_log
 }
-# telling WHAT COMMAND...: the same for a command that says on stdout how far it is.
+# telling WHAT COMMAND...: the same for a command that reports its progress on stdout.
 telling() {
   say "$1"
   step=$1

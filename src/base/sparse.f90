@@ -72,7 +72,7 @@ module gearsweep_base_sparse
 
 contains
 
-  !> Begins a list of at most so many elements with `size` unknowns each, and of one with `larger` unknowns.
+  !> Begins a list of at most `elements` elements with `size` unknowns each, and of one more with `larger` unknowns.
   pure subroutine begin(self, elements, size, larger)
     class(elements_t), intent(inout) :: self
     integer, intent(in) :: elements, size

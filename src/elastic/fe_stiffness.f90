@@ -50,7 +50,7 @@ module gearsweep_elastic_fe_stiffness
     type(piecewise_t) :: compliance
     !> Deflection of the next tooth, over the path coordinate of the first from 0 to where it is alone; constant outside.
     type(piecewise_t) :: shared
-    real(dp) :: beyond = 0                       !< deflection of the tooth after the next one, and taken for those after it
+    real(dp) :: beyond = 0                       !< deflection of the second tooth from the loaded one, and of all farther ones
     real(dp) :: turn = 0                         !< compliance by rotation about the bore
   end type plane_tooth_t
 

@@ -92,8 +92,9 @@ contains
   end subroutine make_gear
 
   !> Makes the virtual gear of a helical gear: the spur gear of its normal section, whose rack is the same. It has
-  !> z_n = z/(cos(beta_b)**2 cos(beta)) teeth (ISO 21771:2007, section 4); `is_whole`: rounded, for a body all around. The tip is as
-  !> far from the reference circle; the bore is the same part of it, which turns alike under a couple.
+  !> z_n = z/(cos(beta_b)**2 cos(beta)) teeth (ISO 21771:2007, section 4); `is_whole`: rounded, for a complete body. The tip is as
+  !> far from the reference circle as the gear's; the bore has the same ratio to that circle, so that the body rotates as much
+  !> under a moment.
   subroutine make_virtual_gear(gear, is_whole, virtual, error)
     type(gear_t), intent(in) :: gear
     logical, intent(in) :: is_whole

@@ -266,8 +266,8 @@ contains
   end subroutine check_flank
 
   !> Finds the virtual gears of a helical pair and the curvatures of their flanks in contact: those of the normal section over the
-  !> same path coordinate, rho/cos(beta_b). A spur pair is its own. The result is no pair that runs: its base pitch and centre
-  !> distance serve for the curvatures alone.
+  !> same path coordinate, rho/cos(beta_b). A spur pair is its own. The result is not a pair that can run: its base pitch and
+  !> centre distance serve to compute curvatures only.
   subroutine normal_section(pair, is_whole, normal, error)
     type(pair_t), intent(in) :: pair
     logical, intent(in) :: is_whole              !< as of `make_virtual_gear`
@@ -283,7 +283,7 @@ contains
       if (allocated(error)) return
     end do
     associate (slant => cos(pair%gear(1)%base_helix()), spec => normal%gear%spec, helix => pair%gear%spec%helix_angle)
-      ! By as much as rounding of the number of teeth moves the pitch line's place on the line of action.
+      ! Distance by which rounding of the number of teeth moves the pitch point along the line of action.
       farther = (teeth_around(spec) - pair%gear%spec%teeth/(slant**2*cos(helix)))*spec%module/2*sin(spec%pressure_angle(drive))
       normal%base_pitch = pair%base_pitch/slant
       normal%start_curvature = pair%start_curvature/slant + farther(1)
