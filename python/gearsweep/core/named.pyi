@@ -1650,6 +1650,10 @@ class RatingFactorsTable(Table):
     """sqrt(MPa): Z_E, ISO 6336-2, clause 7"""
     contact_ratio_factor: NDArray[float64]
     """Z_eps, ISO 6336-2, clause 8"""
+    helix_factor: NDArray[float64]
+    """of helical gears: Z_beta, ISO 6336-2, clause 9"""
+    root_helix_factor: NDArray[float64]
+    """of helical gears: Y_beta, ISO 6336-3, clause 8"""
     nominal_contact_mpa: NDArray[float64]
     """MPa: nominal contact stress sigma_H0, ISO 6336-2, clause 5"""
     form_factor: NDArray[float64]
