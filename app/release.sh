@@ -2,7 +2,7 @@
 # Makes what a release consists of, from a checkout without changes:
 #   sh app/release.sh FOLDER
 # the sources, a wheel with its libraries, a program that needs nothing of the system, the pages, and SHA256SUMS of these.
-# The version stands in fpm.toml; CHANGELOG.md and CITATION.cff must name it too, with one date, or the changelog `unreleased`.
+# app/version.py sets the version and its date; a trial may be `unreleased` in CHANGELOG.md.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 case ${1-} in
   '' | -*) echo "usage: sh app/release.sh FOLDER" >&2; exit 2 ;;
@@ -16,15 +16,8 @@ refuse() { say "$*"; exit 1; }
 [ -z "$(ls -A "$folder")" ] || refuse "$folder has files already"
 cd "$root" && changed=$(git status --porcelain) || exit
 [ -z "$changed" ] || refuse "the checkout has changes that are not committed"
-heading=$(sed -n 's/^## //p' CHANGELOG.md | head -n 1)
-cited=$(sed -n 's/^version: //p' CITATION.cff)
-day=$(sed -n 's/^date-released: //p' CITATION.cff)
-[ "$cited" = "$version" ] || refuse "fpm.toml has version $version, CITATION.cff $cited"
-case $heading in
-  "$version - unreleased") say "a trial: CHANGELOG.md calls $version unreleased" ;;
-  "$version - $day") ;;
-  *) refuse "CHANGELOG.md begins with $heading, not with $version - $day as fpm.toml and CITATION.cff say" ;;
-esac
+python3 app/version.py >&2 || exit 1
+if grep -q "^## $version - unreleased" CHANGELOG.md; then say "a trial: CHANGELOG.md calls $version unreleased"; fi
 
 make_program() {
   build_static || return

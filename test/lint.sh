@@ -39,4 +39,21 @@ check 'the check of imports finds a circle and an import of a higher room' sh -c
   "! '$python' test/cases/imports.py '$work/pair' >'$work/found' && grep -q 'plots is above core' '$work/found' && grep -q 'core.a -> core.b -> plots.c -> core.a' '$work/found'"
 check 'doc/develop/architecture.md has every room, and each file says what it is for' "$python" doc/architecture.py --stale
 check 'links between the pages lead somewhere' "$python" doc/site/stage.py "$work/pages"
+check 'one version stands everywhere, with one date' "$python" app/version.py
+# In a copy of the files that have it: a bump renames what is unreleased, and begins a part above what is released.
+bump() {
+  for file in fpm.toml src/base/version.f90 CITATION.cff CHANGELOG.md README.md doc/linking.md validation/claims.csv app/version.py; do
+    mkdir -p "$work/bump/$(dirname "$file")" && cp "$file" "$work/bump/$file" || return
+  done
+  cd "$work/bump" || return
+  headings() { sed -n 's/^## //p' CHANGELOG.md | head -n "$1" | tr '\n' ';'; }
+  before=$(grep -c '^## ' CHANGELOG.md)
+  "$python" app/version.py 8.1.0 && [ "$(headings 1)" = '8.1.0 - unreleased;' ] && "$python" app/version.py 8.1.0 2030-12-31 &&
+    [ "$(headings 1)" = '8.1.0 - 2030-12-31;' ] && [ "$(grep -c '^## ' CHANGELOG.md)" = "$before" ] && "$python" app/version.py 8.2.0 &&
+    [ "$(headings 2)" = '8.2.0 - unreleased;8.1.0 - 2030-12-31;' ] && grep -qx 'date-released: 2030-12-31' CITATION.cff &&
+    grep -q '(gearsweep 8.2 REQUIRED)' doc/linking.md && grep -qx 'gearsweep 8.2.0' README.md || return
+  sed -i 's/8\.2\.0/8.2.1/' CITATION.cff && ! "$python" app/version.py && ! "$python" app/version.py 8
+}
+check 'a new version is set everywhere, and a wrong one is found' bump
+cd "$root" || exit
 finish

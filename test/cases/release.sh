@@ -28,9 +28,9 @@ echo >>README.md
 is_changed() { (sh app/release.sh "$release") 2>"$work/why"; [ $? = 1 ] && grep -q 'not committed' "$work/why"; }
 check 'it refuses a checkout with changes' is_changed
 git checkout -q README.md
-check 'it refuses another version in CITATION.cff' refuses 'CITATION.cff 9.9.9' CITATION.cff 's/^version: .*/version: 9.9.9/'
-check 'it refuses another version in CHANGELOG.md' refuses 'begins with 9.9.9' CHANGELOG.md "s/^## $version/## 9.9.9/"
-check 'it refuses another date in CHANGELOG.md' refuses 'begins with' CHANGELOG.md "s/^## $version.*/## $version - 1999-12-31/"
+check 'it refuses another version in CITATION.cff' refuses 'CITATION.cff has 9.9.9' CITATION.cff 's/^version: .*/version: 9.9.9/'
+check 'it refuses another version in CHANGELOG.md' refuses 'CHANGELOG.md has 9.9.9' CHANGELOG.md "s/^## $version/## 9.9.9/"
+check 'it refuses another date in CHANGELOG.md' refuses 'CHANGELOG.md has the date 1999-12-31' CHANGELOG.md "s/^## $version.*/## $version - 1999-12-31/"
 
 check 'it is made' sh app/release.sh "$release"
 cd "$release" || exit

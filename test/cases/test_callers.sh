@@ -234,7 +234,7 @@ for kind in static shared; do
   check "pkg-config: C++, $kind" by_pkg_config g++ cpp $kind $module
   check "pkg-config: Fortran, $kind" by_pkg_config gfortran f90 $kind $module
 done
-too_new() { block cmake | sed 's/gearsweep 0.1/gearsweep 0.2/' >cmake/CMakeLists.txt && ! cmake -S cmake -B cmake/new -DCMAKE_PREFIX_PATH="$prefix"; }
+too_new() { block cmake | sed "s/gearsweep ${version%.*}/gearsweep ${version%%.*}.99/" >cmake/CMakeLists.txt && grep -q '\.99 REQUIRED' cmake/CMakeLists.txt && ! cmake -S cmake -B cmake/new -DCMAKE_PREFIX_PATH="$prefix"; }
 check 'CMake: another minor version is refused' too_new
 check 'the shared library has its SONAME' compile 'readelf -d "$prefix/lib/libgearsweep.so" | grep -q "SONAME.*libgearsweep.so.${version%.*}\]"'
 # Builds all anew, which mutants (tools/mutation) have no time for.
