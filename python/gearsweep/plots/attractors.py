@@ -147,5 +147,5 @@ def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | N
                 entries.append(Line2D([], [], label=label, **mark))
         legends_above(ax, (f'{rpm:g} 1/min, tip relief {relief_um:g} µm', entries))
         ax.set_xlabel('Transmission error as a pair enters (µm)')
-        ax.set_ylabel('Its rate (mm/s)')
+        ax.set_ylabel('Its rate of change (mm/s)')
     return ax
