@@ -108,8 +108,14 @@ def _rated(relief=5, rpm=3000, more=''):
 
 
 def contact_stress():
+    """Z_B by the radii of curvature at B and P: distances on the line of action from the base circles' tangent points."""
     study, names = _rated()
-    return names, [names['sigma_H0'], names['sigma_H'], study.rating.contact_safety.ravel()[0]]
+    base = study.gears.base_diameter_mm / 2
+    line = np.sqrt(float(study.geometry.centre_distance_mm)**2 - base.sum()**2)
+    for point in 'PB':
+        own = np.sqrt(float(study.contact_points.at(point=point).pinion_radius_mm)**2 - base[0]**2)
+        names |= {f'rho_1{point}': own, f'rho_2{point}': line - own}
+    return names, [names['sigma_H0'], names['sigma_H'], names['Z_B'], study.rating.contact_safety.ravel()[0]]
 
 
 def root_stress():
