@@ -42,6 +42,7 @@ program check
   use test_face_law, only: run_face_law => run
   use test_face_distribution, only: run_face_distribution => run
   use test_face_helical, only: run_face_helical => run
+  use test_face_motion, only: run_face_motion => run
   use test_flank, only: run_flank => run
   use test_motion_selection, only: run_motion_selection => run
   use test_frequency_response, only: run_frequency_response => run
@@ -134,6 +135,7 @@ program check
     & suite_t('face_law', run_face_law), &
     & suite_t('face_distribution', run_face_distribution), &
     & suite_t('face_helical', run_face_helical), &
+    & suite_t('face_motion', run_face_motion), &
     & suite_t('rating', run_rating), &
     & suite_t('table_filling', run_table_filling), &
     & suite_t('flank', run_flank), &

@@ -16,7 +16,7 @@ module gearsweep_face_load
   use gearsweep_face_shaft, only: check_shaft, shaft_t
   implicit none
   private
-  public :: face_mesh_t, face_load_t, make_face_mesh, find_face_load
+  public :: face_mesh_t, face_load_t, make_face_mesh, find_face_load, find_pair_loads
 
   !> A pair of gears, as its load distribution depends on it; of gears with a geometry `make_face_mesh` fills it in.
   type :: face_mesh_t
@@ -40,6 +40,26 @@ module gearsweep_face_load
   contains
     procedure :: onto_face
   end type line_t
+
+  !> Lines of contact at a phase as slices in contact; (slice of all lines).
+  type :: lines_t
+    type(line_t), allocatable :: line(:)         !< (pair)
+    integer, allocatable :: first(:)             !< first slice of each line, and one after the last
+    real(dp), allocatable :: width(:)            !< lengths along the lines, m
+    real(dp), allocatable :: gap(:)              !< of the unloaded flanks with profile error, m
+    real(dp), allocatable :: square(:)           !< square of Hertz's half width per line load, m3/N
+    real(dp), allocatable :: compliance(:, :)    !< of both gears, in modules, 1/Pa
+    type(flat_t) :: flat
+  end type lines_t
+
+  !> Loads of the pairs over their common deflection at the phases of a mesh period, for its motion.
+  type, public :: pair_loads_t
+    real(dp), allocatable :: phase(:)            !< mesh phase, 0 to 1; both ends of intervals with the same number of pairs; (row)
+    integer, allocatable :: pairs(:)             !< lines of contact; (row)
+    real(dp), allocatable :: deflection(:, :)    !< without the turning of complete gears about their bores, m; (load, row)
+    real(dp), allocatable :: load(:, :, :)       !< N; (load, pair, row)
+    real(dp), allocatable :: touching(:, :)      !< smallest gap of a pair's flanks, m; of no line at all: huge; (pair, row)
+  end type pair_loads_t
 
   !> Load distribution over a mesh period. Phases include both ends of each interval with the same number of pairs, so that values
   !> jump between two rows of one phase. `per` is the load over the face width, F/b.
@@ -144,8 +164,78 @@ contains
     integer, intent(in), optional :: slices      !< about this number over the face; absent or 0: 0.35 to 1 module wide
     type(shaft_t), intent(in), optional :: shaft           !< of the pinion, which deflects; absent: rigid
     type(face_law_t) :: law(2)
+    type(lines_t) :: lines
+    integer :: i
+
+    call cut_face(mesh, alignment, load, load, product, law, error, slices, shaft)
+    if (allocated(error)) return
+    do i = 1, size(product%phase)
+      call place_slices(mesh, law, alignment, load, load, i, product, lines, shaft)
+      call solve_phase(mesh, lines, load, i, product, error)
+      if (allocated(error)) return
+    end do
+    call summarise(mesh, load, product)
+  end subroutine find_face_load
+
+  !> Finds the load of each pair over the deflection: under each of several `loads` (N), ascending, at the phases of a mesh period.
+  !> The shaft deflects as under the static `load` (N).
+  !>
+  !> `error`: as of `find_face_load`, for the largest load.
+  subroutine find_pair_loads(mesh, alignment, load, loads, product, error, slices, shaft)
+    type(face_mesh_t), intent(in) :: mesh
+    type(alignment_t), intent(in) :: alignment   !< misalignment and leads
+    real(dp), intent(in) :: load, loads(:)
+    type(pair_loads_t), intent(out) :: product
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(in), optional :: slices      !< as of `find_face_load`
+    type(shaft_t), intent(in), optional :: shaft
+    type(face_load_t) :: face
+    type(face_law_t) :: law(2)
+    type(lines_t) :: lines
+    real(dp), allocatable :: line_load(:), rate(:)
+    integer :: i, j, k, most
+
+    call cut_face(mesh, alignment, load, loads(size(loads)), face, law, error, slices, shaft)
+    if (allocated(error)) return
+    product%phase = face%phase
+    product%pairs = face%pairs
+    most = maxval(face%pairs)
+    allocate (product%deflection(size(loads), size(face%phase)))
+    allocate (product%load(size(loads), most, size(face%phase)), source=0.0_dp)
+    allocate (product%touching(most, size(face%phase)), source=huge(1.0_dp))
+    do i = 1, size(face%phase)
+      call place_slices(mesh, law, alignment, load, loads(size(loads)), i, face, lines, shaft)
+      associate (slant => mesh%slant(), first => lines%first)
+        line_load = lines%width
+        rate = lines%width
+        do k = 1, size(loads)
+          call solve_contact(mesh%pair%gear(1)%spec%module*lines%compliance, lines%width, lines%gap*slant, lines%flat, &
+                             loads(k)/slant, product%deflection(k, i), line_load, rate, error)
+          if (allocated(error)) return
+          do j = 1, face%pairs(i)
+            product%load(k, j, i) = slant*sum(lines%width(first(j):first(j + 1) - 1)*line_load(first(j):first(j + 1) - 1))
+          end do
+        end do
+        product%deflection(:, i) = product%deflection(:, i)/slant
+        do j = 1, face%pairs(i)
+          if (first(j + 1) > first(j)) product%touching(j, i) = minval(lines%gap(first(j):first(j + 1) - 1))
+        end do
+      end associate
+    end do
+  end subroutine find_pair_loads
+
+  !> Checks faces and loads (N), cuts the face into slices for the `largest` load, and chooses the phases.
+  subroutine cut_face(mesh, alignment, load, largest, product, law, error, slices, shaft)
+    type(face_mesh_t), intent(in) :: mesh
+    type(alignment_t), intent(in) :: alignment
+    real(dp), intent(in) :: load, largest
+    type(face_load_t), intent(out) :: product
+    type(face_law_t), intent(out) :: law(2)
+    type(error_t), allocatable, intent(inout) :: error
+    integer, intent(in), optional :: slices
+    type(shaft_t), intent(in), optional :: shaft
     real(dp) :: half_width
-    integer :: i, wanted
+    integer :: wanted
 
     wanted = 0
     if (present(slices)) wanted = slices
@@ -159,8 +249,8 @@ contains
       call check_alignment(alignment, mesh%width, error)
       if (present(shaft)) call check_shaft(shaft, mesh%width, error)
       if (allocated(error)) return
-      half_width = maxval(mesh%half_width(path, load/mesh%width))
-      call check_contact(half_width, module, load/mesh%width, error)
+      half_width = maxval(mesh%half_width(path, largest/mesh%width))
+      call check_contact(half_width, module, largest/mesh%width, error)
       if (allocated(error)) return
       associate (bounds => graded_slices(mesh%width, module, [alignment%lead%end_relief_length], slice_over_contact*half_width, &
                                          wanted))
@@ -170,14 +260,8 @@ contains
     product%gap = alignment%gap(mesh%width, product%middle())
     if (present(shaft)) product%gap = product%gap + shaft%gap(load, mesh%width, product%middle())
     call find_law(mesh, product%bounds, law, error)
-    if (allocated(error)) return
-    call place_phases(mesh, size(product%gap), product)
-    do i = 1, size(product%phase)
-      call solve_phase(mesh, law, alignment, load, i, product, error, shaft)
-      if (allocated(error)) return
-    end do
-    call summarise(mesh, load, product)
-  end subroutine find_face_load
+    if (.not. allocated(error)) call place_phases(mesh, size(product%gap), product)
+  end subroutine cut_face
 
   !> Middle of each slice, m.
   pure function middle(product)
@@ -338,87 +422,47 @@ contains
     end associate
   end function onto_face
 
-  !> Finds the loads at the phase of `row`.
-  subroutine solve_phase(mesh, of_face, alignment, load, row, product, error, shaft)
+  !> Cuts the lines of contact at the phase of `row` into slices, for the `largest` load, with their gaps and compliance.
+  subroutine place_slices(mesh, of_face, alignment, load, largest, row, product, lines, shaft)
     type(face_mesh_t), intent(in) :: mesh
     type(face_law_t), intent(in) :: of_face(2)
     type(alignment_t), intent(in) :: alignment
-    real(dp), intent(in) :: load
+    real(dp), intent(in) :: load, largest        ! static and largest load, N
     integer, intent(in) :: row
-    type(face_load_t), intent(inout) :: product
-    type(error_t), allocatable, intent(inout) :: error
+    type(face_load_t), intent(in) :: product
+    type(lines_t), intent(out) :: lines
     type(shaft_t), intent(in), optional :: shaft
-    real(dp), allocatable :: width(:), gap(:), line_load(:), rate(:), square(:), compliance(:, :)
     type(face_law_t) :: law(2)
-    type(line_t) :: line(product%pairs(row))
-    type(flat_t) :: flat
-    real(dp) :: turn, slant
-    integer :: first(product%pairs(row) + 1), i, j, k
+    integer :: i, j, k
 
     law = of_face
-    call place_lines(mesh, load, row, product, law, line)
-    slant = mesh%slant()
-    first = [1, (1 + sum([(size(line(k)%s), k=1, j)]), j=1, size(line))]
-    associate (n => first(size(first)) - 1)
-      allocate (width(n), gap(n), line_load(n), rate(n), square(n), compliance(n, n))
+    allocate (lines%line(product%pairs(row)))
+    call place_lines(mesh, largest, row, product, law, lines%line)
+    associate (line => lines%line)
+      lines%first = [1, (1 + sum([(size(line(k)%s), k=1, j)]), j=1, size(line))]
+      associate (n => lines%first(size(line) + 1) - 1)
+        allocate (lines%width(n), lines%gap(n), lines%square(n), lines%compliance(n, n))
+      end associate
+      do j = 1, size(line)
+        associate (own => [(i, i=lines%first(j), lines%first(j + 1) - 1)], s => line(j)%s, bounds => line(j)%bounds)
+          if (size(own) == 0) cycle
+          lines%width(own) = (bounds(1:) - bounds(:size(own) - 1))/mesh%slant()
+          lines%gap(own) = gap_of(line(j))
+          if (allocated(mesh%profile_error%breaks)) &
+            lines%gap(own) = lines%gap(own) + [(mesh%profile_error%value(s(i)), i=1, size(s))]
+          lines%square(own) = mesh%half_width(s, 1.0_dp)**2
+          lines%compliance(own, own) = of_line(line(j))
+          do k = j + 1, size(line)
+            associate (other => [(i, i=lines%first(k), lines%first(k + 1) - 1)])
+              if (size(other) == 0) cycle
+              lines%compliance(own, other) = between_lines(line(j), line(k), k - j)
+              lines%compliance(other, own) = transpose(lines%compliance(own, other))
+            end associate
+          end do
+        end associate
+      end do
     end associate
-    do j = 1, size(line)
-      associate (own => [(i, i=first(j), first(j + 1) - 1)], s => line(j)%s, bounds => line(j)%bounds)
-        if (size(own) == 0) cycle
-        width(own) = (bounds(1:) - bounds(:size(own) - 1))/slant
-        gap(own) = gap_of(line(j))
-        if (allocated(mesh%profile_error%breaks)) gap(own) = gap(own) + [(mesh%profile_error%value(s(i)), i=1, size(s))]
-        square(own) = mesh%half_width(s, 1.0_dp)**2
-        compliance(own, own) = of_line(line(j))
-        do k = j + 1, size(line)
-          associate (other => [(i, i=first(k), first(k + 1) - 1)])
-            if (size(other) == 0) cycle
-            compliance(own, other) = between_lines(line(j), line(k), k - j)
-            compliance(other, own) = transpose(compliance(own, other))
-          end associate
-        end do
-      end associate
-    end do
-    associate (module => mesh%pair%gear(1)%spec%module)
-      flat = flat_t(2/pi*sum(1/[mesh%tooth%modulus]), square/module**2)
-      call solve_contact(module*compliance, width, gap*slant, flat, load/slant, product%error(row), line_load, rate, &
-                         error)
-    end associate
-    if (allocated(error)) return
-    turn = sum([mesh%tooth%turn])/mesh%width
-    product%deflection(row) = product%error(row)/slant
-    product%error(row) = product%deflection(row) + turn*load
-    do j = 1, size(line)
-      associate (own => width(first(j):first(j + 1) - 1))
-        product%pair_load(j, row) = sum(own*line_load(first(j):first(j + 1) - 1))*slant
-        product%pair_stiffness(j, row) = sum(own*rate(first(j):first(j + 1) - 1))*slant**2
-      end associate
-    end do
-    product%stiffness(row) = sum(product%pair_stiffness(:, row))
-    product%stiffness(row) = product%stiffness(row)/(1 + turn*product%stiffness(row))
-    do j = 1, size(line)
-      associate (w => line_load(first(j):first(j + 1) - 1), a => square(first(j):first(j + 1) - 1), bounds => product%bounds)
-        product%path(:, j, row) = line(j)%start - mesh%pair%lag()*product%middle()
-        if (size(w) == 0) cycle
-        if (mesh%pair%overlap_ratio > 0) then
-          product%line_load(:, j, row) = line(j)%onto_face(w, bounds)
-        else
-          product%path(:, j, row) = min(product%phase(row) + j - 1, mesh%pair%contact_ratio)
-          product%line_load(:, j, row) = w
-        end if
-      end associate
-    end do
-    product%contact(row) = sum(width, mask=line_load > 0)/sum(width)
-    where (line_load > 0) line_load = 2*sqrt(line_load/square)/pi
-    do j = 1, size(line)
-      associate (p => line_load(first(j):first(j + 1) - 1), bounds => line(j)%bounds)
-        do i = 1, size(p)
-          where (product%bounds(1:) > bounds(i - 1) .and. product%bounds(:size(product%gap) - 1) < bounds(i)) &
-            product%pressure(:, j, row) = max(product%pressure(:, j, row), p(i))
-        end do
-      end associate
-    end do
-    product%factor(row) = largest_mean(product%bounds, product%load_at(row), mesh%pair%gear(1)%spec%module)/(load/mesh%width)
+    lines%flat = flat_t(2/pi*sum(1/[mesh%tooth%modulus]), lines%square/mesh%pair%gear(1)%spec%module**2)
 
   contains
 
@@ -485,6 +529,58 @@ contains
       none = 0
       call make_oblique(tan(mesh%pair%gear(1)%spec%helix_angle), none, shared)
     end function with_next
+  end subroutine place_slices
+
+  !> Finds the loads at the phase of `row`.
+  subroutine solve_phase(mesh, lines, load, row, product, error)
+    type(face_mesh_t), intent(in) :: mesh
+    type(lines_t), intent(in) :: lines
+    real(dp), intent(in) :: load
+    integer, intent(in) :: row
+    type(face_load_t), intent(inout) :: product
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), dimension(size(lines%width)) :: line_load, rate
+    real(dp) :: turn, slant
+    integer :: i, j
+
+    slant = mesh%slant()
+    call solve_contact(mesh%pair%gear(1)%spec%module*lines%compliance, lines%width, lines%gap*slant, lines%flat, load/slant, &
+                       product%error(row), line_load, rate, error)
+    if (allocated(error)) return
+    turn = sum([mesh%tooth%turn])/mesh%width
+    product%deflection(row) = product%error(row)/slant
+    product%error(row) = product%deflection(row) + turn*load
+    do j = 1, size(lines%line)
+      associate (own => lines%width(lines%first(j):lines%first(j + 1) - 1))
+        product%pair_load(j, row) = sum(own*line_load(lines%first(j):lines%first(j + 1) - 1))*slant
+        product%pair_stiffness(j, row) = sum(own*rate(lines%first(j):lines%first(j + 1) - 1))*slant**2
+      end associate
+    end do
+    product%stiffness(row) = sum(product%pair_stiffness(:, row))
+    product%stiffness(row) = product%stiffness(row)/(1 + turn*product%stiffness(row))
+    do j = 1, size(lines%line)
+      associate (w => line_load(lines%first(j):lines%first(j + 1) - 1), bounds => product%bounds)
+        product%path(:, j, row) = lines%line(j)%start - mesh%pair%lag()*product%middle()
+        if (size(w) == 0) cycle
+        if (mesh%pair%overlap_ratio > 0) then
+          product%line_load(:, j, row) = lines%line(j)%onto_face(w, bounds)
+        else
+          product%path(:, j, row) = min(product%phase(row) + j - 1, mesh%pair%contact_ratio)
+          product%line_load(:, j, row) = w
+        end if
+      end associate
+    end do
+    product%contact(row) = sum(lines%width, mask=line_load > 0)/sum(lines%width)
+    where (line_load > 0) line_load = 2*sqrt(line_load/lines%square)/pi
+    do j = 1, size(lines%line)
+      associate (p => line_load(lines%first(j):lines%first(j + 1) - 1), bounds => lines%line(j)%bounds)
+        do i = 1, size(p)
+          where (product%bounds(1:) > bounds(i - 1) .and. product%bounds(:size(product%gap) - 1) < bounds(i)) &
+            product%pressure(:, j, row) = max(product%pressure(:, j, row), p(i))
+        end do
+      end associate
+    end do
+    product%factor(row) = largest_mean(product%bounds, product%load_at(row), mesh%pair%gear(1)%spec%module)/(load/mesh%width)
   end subroutine solve_phase
 
   !> Computes the factors of all phases.

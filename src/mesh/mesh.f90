@@ -22,6 +22,10 @@ module gearsweep_mesh_mesh
     !> Path coordinates between which a pair may be in contact: the first at most 0 (A), the second at least the contact ratio
     !> (E). Both curves cover all of it. Beyond A and E the tip corner of one gear touches.
     real(dp) :: reach(2) = 0
+    !> 0: a pair is one spring. Else a pair is several springs in parallel with stiffness and profile error each: those of the
+    !> one that touches first at its path coordinate, of the next at this number of base pitches before it, and so on as far as
+    !> the `reach`, which begins at a multiple of it. Springs have no stiffness where their pair is past E.
+    integer :: spacing = 0
     type(piecewise_t) :: stiffness               !< K(s) of one pair between the turning discs, N/m
     type(disc_t) :: disc                         !< deflection of the discs under all pairs together
     type(piecewise_t) :: profile_error           !< e(s) of one pair, m
@@ -38,6 +42,7 @@ module gearsweep_mesh_mesh
     real(dp) :: arm_change(2, 2) = 0
   contains
     procedure :: mean_stiffness
+    procedure :: stiffness_of
     procedure :: shared_from
     procedure :: is_coupled
     procedure :: curvature_ratio
@@ -89,6 +94,22 @@ contains
       end do
     end do
   end function mean_stiffness
+
+  !> Mean over the period of the stiffness (N/m) of those springs that carry in each of its intervals; for pairs of several springs.
+  pure real(dp) function stiffness_of(mesh, intervals) result(mean)
+    class(mesh_t), intent(in) :: mesh
+    type(interval_t), intent(in) :: intervals(:)           !< of a mesh period
+    integer :: i, j
+
+    mean = 0
+    do i = 1, size(intervals)
+      associate (one => intervals(i))
+        do j = 1, one%pairs
+          if (one%carries(j)) mean = mean + mesh%stiffness%integral(one%place(one%first, j), one%place(one%last, j))
+        end do
+      end associate
+    end do
+  end function stiffness_of
 
   !> Stiffness (N/m) of the loaded pairs in contact together, without the turning of discs. The pairs follow one another along the
   !> path.

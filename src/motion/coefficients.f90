@@ -91,7 +91,7 @@ contains
     integer :: shares, ideal, waves
     logical :: fits
 
-    shares = merge(osc%pairs, 0, osc%shared > 0)
+    shares = merge(osc%pairs, 0, osc%are_joint)
     ideal = merge(osc%pairs, 0, osc%mesh%deviations%any())
     waves = size(osc%mesh%deviations%rates())
     if (allocated(table%interval)) then
@@ -354,7 +354,7 @@ contains
         table%pairs(first:last) = interval%pairs
         table%full(first:last) = set_of(interval%carries)
         table%between(first:last) = set_of(interval%between)
-        table%coupled(first:last) = osc%shared > 0 .and. osc%mesh%is_coupled(interval%pairs)
+        table%coupled(first:last) = osc%mesh%disc%shared > 0 .and. osc%mesh%is_coupled(interval%pairs)
         table%kind(first:last) = kind_t()
         if (resolution%graded_for > 0) then
           call grade_interval(osc, i, resolution, grading(i), first, last, table)
@@ -598,7 +598,7 @@ contains
         table%end_forcing(:, 1, law) = table%end_forcing(:, 2, law - 1)
       end if
       do end = begin, 2
-        if (osc%shared > 0) then
+        if (osc%are_joint) then
           call find_touching(table%share(:, :p, :p, end, law), table%end_profile_error(:, :p, end, step), &
                              table%touching(:, :p, end, law))
         else
@@ -624,10 +624,11 @@ contains
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step
 
-    kind_of = shared_t(osc%shared > 0, table%coupled(step), osc%mesh%disc%shared_beyond())
+    kind_of = shared_t(osc%are_joint, table%coupled(step), osc%mesh%disc%shared_beyond(), osc%mesh%spacing)
   end function kind_of
 
-  !> Adds the coast sides to a law: they touch at x = -backlash, backed by the stiffness of all pairs between A and E.
+  !> Adds the coast sides to a law: they touch at x = -backlash, backed by the stiffness of all pairs between A and E; of pairs of
+  !> several springs by that under the static load.
   pure subroutine add_coast(osc, step, closed, law, table)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: step, law
@@ -638,7 +639,8 @@ contains
     real(dp) :: k(3)
     integer :: end
 
-    associate (p => table%pairs(step), kind => kind_of(osc, table, step), coast => osc%contacts, between => table%between(step))
+    associate (p => table%pairs(step), kind => kind_of(osc, table, step), coast => osc%contacts, &
+               between => merge(table%full(step), table%between(step), osc%mesh%spacing > 0))
       table%effective(:, coast, :, law) = 0
       table%touching(:, coast, :, law) = 0
       table%touching(0, coast, :, law) = -osc%backlash

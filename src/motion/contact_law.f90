@@ -15,6 +15,10 @@
 !> beside those of the others: t_j = (e_j - sum C_ji W_ik e_k)/(1 - sum C_ji g_i) is linear in the profile errors. Its weights
 !> do not depend on these, so that all mesh periods of gears with deviations share them. The integration uses the law alone.
 !>
+!> A pair whose load is not affine in x is several springs in parallel, each with a stiffness and a profile error of its own, which
+!> touch one after the other (`mesh_t%spacing`). The spring of the pair that touches first carries the load of all its springs in
+!> contact, g = sum K_i and t = sum K_i e_i/g, and the others none; each of these touches at its profile error.
+!>
 !> Arrays (0:2, pair) hold a value at one place with its first and second derivative over the variable of the arguments'
 !> derivatives, arrays (0:0, pair) the value alone; `find_law_values` finds values at several places, (place, pair).
 module gearsweep_motion_contact_law
@@ -25,11 +29,12 @@ module gearsweep_motion_contact_law
   public :: shared_t, springs_t, find_law, find_law_values, find_response, find_touching, springs_at, find_law_of_pair, &
             find_closed, product_of
 
-  !> Kind of compliance that the pairs share.
+  !> Kind of dependence of the pairs on one another.
   type :: shared_t
-    logical :: any = .false.                     !< true: they share one compliance
+    logical :: any = .false.                     !< true: they share one compliance, or are springs of one pair
     logical :: coupled = .false.                 !< true: the compliance is a matrix
     real(dp) :: beyond = 0                       !< compliance shared by pairs that are farther apart than neighbours, m/N
+    integer :: spacing = 0                       !< as in mesh_t: springs of one pair follow one another by this number
   end type shared_t
 
   !> Pairs at some places of a smooth interval.
@@ -68,6 +73,10 @@ contains
     end do
     if (.not. kind%any) then
       effective(0:n, :) = k
+      return
+    end if
+    if (kind%spacing > 0) then
+      call join_springs(contact_set, kind%spacing, k, effective, weight)
       return
     end if
     c = 0
@@ -122,6 +131,37 @@ contains
       weight(2, j, :) = (less(2)*weight(0, j, :) + 2*less(1)*weight(1, j, :) - cw(j, :, 2))/less(0)
     end do
   end subroutine find_response
+
+  !> Adds up the springs of each pair that are in contact on the last of them, which touches first.
+  pure subroutine join_springs(contact_set, spacing, stiffness, effective, weight)
+    integer, intent(in) :: contact_set, spacing
+    real(dp), intent(in) :: stiffness(0:, :)     !< 0 for a spring that is open; (derivative, spring)
+    real(dp), intent(out) :: effective(0:, :)    !< as in `find_response`
+    real(dp), intent(inout) :: weight(0:, :, :)  !< in: the touching deflection of each spring is its profile error
+    integer :: i, j, n, pair
+
+    n = ubound(stiffness, 1)
+    effective(0:n, :) = 0
+    do pair = 1, min(spacing, size(stiffness, 2))
+      j = 0
+      do i = pair, size(stiffness, 2), spacing
+        if (btest(contact_set, i - 1)) j = i
+      end do
+      if (j == 0) cycle
+      do i = pair, j, spacing
+        effective(0:n, j) = effective(0:n, j) + stiffness(:, i)
+      end do
+      associate (g => effective(:, j))
+        if (.not. g(1) > 0) cycle
+        do i = pair, j, spacing
+          weight(0, j, i) = stiffness(0, i)/g(1)
+          if (n < 2) cycle
+          weight(1, j, i) = (stiffness(1, i) - g(2)*weight(0, j, i))/g(1)
+          weight(2, j, i) = (stiffness(2, i) - 2*g(2)*weight(1, j, i) - g(3)*weight(0, j, i))/g(1)
+        end do
+      end associate
+    end do
+  end subroutine join_springs
 
   !> Inverts a small matrix whose leading minors are positive, by Gauss elimination without pivoting.
   pure subroutine invert(matrix, inverse)
@@ -242,12 +282,13 @@ contains
     real(dp), dimension(1, interval%pairs) :: all_effective, all_touching
     real(dp) :: s
 
-    if (.not. mesh%disc%shared > 0) then
+    if (.not. (mesh%disc%shared > 0 .or. mesh%spacing > 0)) then
       s = interval%place(phase, pair)
       effective = mesh%stiffness%value(s, mesh%stiffness%locate(s, interval%stiffness_piece(:, pair)))
       touching = mesh%error_at(interval, phase, pair)
     else
       call springs_at(mesh, interval, [phase], springs)
+      if (mesh%spacing > 0) springs%kind = shared_t(any=.true., spacing=mesh%spacing)
       call find_law_values(contact_set, springs%kind, springs%stiffness, springs%profile_error, springs%shared, all_effective, &
                            all_touching)
       effective = all_effective(1, pair)

@@ -64,7 +64,8 @@ contains
 
     associate (intervals => osc%intervals)
       table%scheme = resolution%scheme
-      table%kind = shared_t(osc%shared > 0, osc%shared > 0 .and. osc%mesh%is_coupled(osc%pairs), osc%mesh%disc%shared_beyond())
+      table%kind = shared_t(osc%are_joint, osc%mesh%disc%shared > 0 .and. osc%mesh%is_coupled(osc%pairs), &
+                            osc%mesh%disc%shared_beyond(), osc%mesh%spacing)
       if (table%scheme == scheme_rk4) then
         counts = resolution%times*max(1, ceiling(resolution%base*(intervals%last - intervals%first) - 1e-6_dp))
       else

@@ -30,7 +30,7 @@ module gearsweep_motion_oscillator
     real(dp) :: friction = 0           !< mu
     logical :: has_backlash = .false.  !< the coast sides can come into contact
     real(dp) :: backlash = 0           !< m, along the line of action
-    real(dp) :: shared = 0             !< compliance shared by neighbouring pairs, mean over the path, m/N
+    logical :: are_joint = .false.     !< pairs share a compliance, or are springs of one pair (`mesh_t%spacing`)
     integer :: pairs = 0               !< largest number of pairs that may be in contact
     !> Contacts of coast sides: 0 without backlash, one for all together or, where teeth have position errors, one next to each
     !> pair.
@@ -72,7 +72,7 @@ contains
     if (osc%friction > 0) call demand(all(osc%mesh%teeth > 0) .and. osc%mesh%tan_angle > 0, 'friction', &
       osc%friction, 'needs the teeth of both gears and the pressure angle')
     if (allocated(error)) return
-    osc%shared = osc%mesh%disc%shared
+    osc%are_joint = osc%mesh%disc%shared > 0 .or. osc%mesh%spacing > 0
     osc%by_load = osc%mesh%reaches_beyond()
     if (osc%by_load) then
       osc%intervals = rest_intervals(osc)
@@ -85,6 +85,7 @@ contains
     osc%contacts = osc%pairs + osc%coasts
     osc%coast_below = osc%mesh%deviations%largest_of_coast() - osc%backlash
     mean_stiffness = osc%mesh%mean_stiffness()
+    if (osc%mesh%spacing > 0) mean_stiffness = osc%mesh%stiffness_of(osc%intervals)
     osc%natural_frequency = sqrt(mean_stiffness*sum(1/osc%mass))
     osc%highest_frequency = sqrt(osc%pairs*stiffest*sum(1/osc%mass)*(1 + osc%friction))
     osc%static_deflection = osc%load/mean_stiffness

@@ -76,6 +76,7 @@ module gearsweep_study_case_case
     procedure :: has_relief
     procedure :: needs
     procedure :: needs_face_load
+    procedure :: has_uneven_motion
     procedure :: is_helical
     procedure :: tasks_for
     procedure :: needs_elements
@@ -101,9 +102,24 @@ contains
   !> True if a task computes the load over the face width or uses it: other tasks than `face_load` where it is uneven.
   pure logical function needs_face_load(case)
     class(case_t), intent(in) :: case
+    integer :: i
 
-    needs_face_load = case%requests('face_load') .or. (case%faces%are_uneven() .and. case%needs(stage%face))
+    associate (tasks => case%tasks)
+      needs_face_load = case%requests('face_load') .or. (case%faces%are_uneven() .and. &
+                        any([(tasks(i)%needs(stage%face) .and. .not. tasks(i)%info%has_uneven_motion, i=1, size(tasks))]))
+    end associate
   end function needs_face_load
+
+  !> True if a task follows a motion in which the faces meet unevenly.
+  pure logical function has_uneven_motion(case)
+    class(case_t), intent(in) :: case
+    integer :: i
+
+    associate (tasks => case%tasks)
+      has_uneven_motion = case%faces%are_uneven() .and. any([(tasks(i)%is_requested .and. tasks(i)%info%has_uneven_motion, &
+                                                              i=1, size(tasks))])
+    end associate
+  end function has_uneven_motion
 
   !> True for helical gears.
   pure logical function is_helical(case)

@@ -52,6 +52,7 @@ module gearsweep_study_case_task
     character(:), allocatable :: fields          !< names of those whose rows are nodes or elements of a grid
     logical :: is_always = .false.               !< true if it runs for every case that has gears, even if not requested
     logical :: has_helical = .false.             !< true if it computes helical gears too
+    logical :: has_uneven_motion = .false.       !< true if its motion is that with the faces as they meet
   end type task_info_t
 
   !> Values of the case's other groups with which a task's keys must agree.

@@ -126,6 +126,10 @@ contains
     associate (mesh => study%motion(1)%mesh, case => study%case)
       frequency = study%motion(1)%natural_frequency/(2*pi)
       mean = mesh%mean_stiffness()
+      if (allocated(study%uneven_motion)) then
+        frequency = study%uneven_motion(1)%natural_frequency/(2*pi)
+        mean = study%uneven_motion(1)%natural_frequency**2/sum(1/study%mass)
+      end if
       width = case%spec(1)%face_width
       call table%add('load_n', 'N', 'static load on the line of action', [study%load])
       call table%add('pinion_mass_kg', 'kg', 'effective mass of the pinion on the line of action, with what sits at its '// &

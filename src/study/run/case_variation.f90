@@ -133,6 +133,7 @@ contains
 
     associate (of => inputs%motion)
       motion%mesh%contact_ratio = of%relief%contact_ratio
+      motion%mesh%spacing = of%spacing
       motion%mesh%reach = of%reach
       motion%mesh%flattening = of%flattening
       motion%mesh%pitch_point = of%relief%pitch_point

@@ -55,6 +55,7 @@ module gearsweep_study_run_inputs
   type :: motion_inputs_t
     type(relief_inputs_t) :: relief
     type(disc_t) :: disc
+    integer :: spacing = 0                       !< of the springs of a pair, as in mesh_t
     real(dp) :: reach(2) = 0                     !< path coordinates between which a pair may be in contact, base pitches
     type(flattening_t) :: flattening             !< flattening of the flanks, as in mesh_t
     integer :: teeth(2) = 0

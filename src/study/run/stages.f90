@@ -6,7 +6,7 @@ module gearsweep_study_run_stages
   use gearsweep_base, only: dp, error_t, piecewise_t, str
   use gearsweep_gear, only: pair_t
   use gearsweep_elastic, only: make_two_grids, material_t, modal_t, section_body_t, section_modes, teeth_t
-  use gearsweep_face, only: face_load_t
+  use gearsweep_face, only: face_load_t, face_mesh_t
   use gearsweep_mesh, only: iso_options_t, mesh_t
   use gearsweep_motion, only: accuracy_t, all_motions, both, counter_t, each, oscillator_t, progress_of_sweep, sweep_options_t
   use gearsweep_study_case_case, only: case_t, faces_t
@@ -45,6 +45,7 @@ module gearsweep_study_run_stages
     type(body_inputs_t) :: solid_inputs          !< inputs of its body in three dimensions
     type(faces_t) :: faces                       !< how the faces meet: misalignment, leads, shaft of the pinion
     type(face_load_t), allocatable :: face_loads(:)        !< load over the face width with each relief
+    type(face_mesh_t), allocatable :: face_mesh  !< what that depends on, with some relief
     type(elements_inputs_t), allocatable :: elements_inputs  !< inputs of the pair stiffness, if it is by finite elements
     type(teeth_t) :: teeth                       !< teeth by finite elements: those of this pair, and some of earlier studies
     type(mesh_t), allocatable :: mesh            !< mesh without relief
@@ -53,7 +54,9 @@ module gearsweep_study_run_stages
     real(dp) :: load = 0                         !< static load on the line of action, N
     real(dp) :: mass(2) = 0                      !< effective masses of pinion and gear, kg
     real(dp) :: hub_mass(2) = 0                  !< part of these masses at the hubs, kg
-    type(oscillator_t), allocatable :: motion(:)  !< oscillators, one for each relief
+    type(oscillator_t), allocatable :: motion(:)  !< oscillators, one for each relief; of parallel faces
+    !> The same with the faces as they meet; not allocated where they are parallel, or no task has such a motion.
+    type(oscillator_t), allocatable :: uneven_motion(:)
     type(piecewise_t), allocatable :: profile_error(:)     !< of helical gears, one for each relief, m over s
     type(motions_inputs_t) :: motions_inputs     !< inputs of the oscillators, and so of all later results but for the section's
     real(dp), allocatable :: torque(:)           !< torques of &load torques_nm, N m; not allocated: there is one load
@@ -64,7 +67,7 @@ module gearsweep_study_run_stages
     type(accuracy_t) :: accuracy                 !< accuracy of the motions, with the flag that ends the run
     type(running_t), pointer :: running => null()
   contains
-    procedure :: sweep_options, has_corners
+    procedure :: sweep_options, has_corners, profile_error_of
   end type stages_t
 
   !> Products and results of a case; those that it did not request are not allocated.
@@ -210,6 +213,18 @@ contains
     options%done_before = self%running%done
     options%all_points = self%running%all_points
   end function sweep_options
+
+  !> Profile error (m over s) of a pair with the relief of this index.
+  pure type(piecewise_t) function profile_error_of(self, relief) result(curve)
+    class(stages_t), intent(in) :: self
+    integer, intent(in) :: relief
+
+    if (allocated(self%profile_error)) then
+      curve = self%profile_error(relief)
+    else
+      curve = self%motion(relief)%mesh%profile_error
+    end if
+  end function profile_error_of
 
   !> True if tip corners of the teeth may touch. A prescribed mesh has none, even if its tables extend beyond A and E.
   pure logical function has_corners(self)

@@ -11,7 +11,7 @@ module gearsweep_study_run_study
   use gearsweep_study_case_key_names, only: name_key
   use gearsweep_study_case_published, only: read_published
   use gearsweep_study_case_task, only: stage, task_info_t, task_slot_t
-  use gearsweep_study_run_face_stage, only: build_faces, build_helical_motions, find_face_loads
+  use gearsweep_study_run_face_stage, only: build_faces, build_helical_motions, build_uneven_motions, find_face_loads
   use gearsweep_study_run_files, only: path_in, read_text
   use gearsweep_study_run_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
   use gearsweep_study_run_mesh_stage, only: build_pair, mesh_and_motion
@@ -101,10 +101,14 @@ contains
       if (case%needs(stage%mesh)) then
         call mesh_and_motion(study, folder, error, earlier)
         associate (has_helical_motion => case%is_helical() .and. case%needs(stage%motion))
-          if (has_helical_motion .or. case%needs_face_load()) call build_faces(study%stages_t, faces, error)
+          if (has_helical_motion .or. case%has_uneven_motion() .or. case%needs_face_load()) &
+            call build_faces(study%stages_t, faces, error)
           if (has_helical_motion) call build_helical_motions(study%stages_t, faces, study%motions_inputs, study%motion, error)
         end associate
+        if (case%has_uneven_motion()) &
+          call build_uneven_motions(study%stages_t, faces, study%motions_inputs, study%uneven_motion, error)
         if (case%needs_face_load()) call find_face_loads(study%stages_t, faces, study%face_loads, error)
+        if (case%requests('face_load')) study%face_mesh = faces
       else
         call study%running%note('mesh and motion left out: no task needs them')
       end if

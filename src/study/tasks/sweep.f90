@@ -3,8 +3,8 @@ module gearsweep_study_tasks_sweep
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_base, only: axis, dp, error_t, fixed, left, lines_t, no_number, right, str, table_t
   use gearsweep_motion, only: all_motions, all_motions_t, attractor_options_t, both, contact_lost, contact_name, count_motions, &
-    down, find_corner_estimate, find_resonances, frequency_ratio, has_result, peak_t, run_sweep, status_meaning, status_name, &
-    status_ok, status_stopped, sweep_options_t, sweep_t, up, worst_of
+    down, find_corner_estimate, find_resonances, frequency_ratio, has_result, oscillator_t, peak_t, run_sweep, status_meaning, &
+    status_name, status_ok, status_stopped, sweep_options_t, sweep_t, up, worst_of
   use gearsweep_study_case_task, only: stage, task_info_t
   use gearsweep_study_run_points, only: add_seen, factor_of, factor_text, of_coast, of_corner, of_dte_estimate, of_dte_range, &
     of_dte_rms, of_estimate, of_factor, of_periods, of_relief, of_seen, of_speed, of_status, of_worst, speed_of, words_of
@@ -31,14 +31,29 @@ contains
     type(task_info_t), intent(out) :: info
 
     info = task_info_t('sweep', needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
-                                       stage%speeds, stage%direction], &
+                                       stage%speeds, stage%direction, stage%face], &
                        tables='sweep sweep_worst resonances sweep_summary', fields='', has_helical=.true., &
+                       has_uneven_motion=.true., &
                        summary='dynamic factor over speed and relief, resonances, best of the listed reliefs')
   end subroutine describe
 
   subroutine run(self, stages, error)
     class(sweep_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (allocated(stages%uneven_motion)) then
+      call run_motions(self, stages, stages%uneven_motion, error)
+    else
+      call run_motions(self, stages, stages%motion, error)
+    end if
+  end subroutine run
+
+  !> Sweeps the speeds with these oscillators, one for each relief.
+  subroutine run_motions(self, stages, motion, error)
+    class(sweep_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(oscillator_t), intent(in) :: motion(:)
     type(error_t), allocatable, intent(inout) :: error
     type(sweep_options_t) :: options
     type(sweep_t) :: sweep
@@ -51,21 +66,21 @@ contains
 
     options = stages%sweep_options()
     if (associated(stages%running%progress)) then
-      call run_sweep(stages%motion, stages%rpm, options, sweep, error, stages%running%progress)
+      call run_sweep(motion, stages%rpm, options, sweep, error, stages%running%progress)
     else
-      call run_sweep(stages%motion, stages%rpm, options, sweep, error)
+      call run_sweep(motion, stages%rpm, options, sweep, error)
     end if
     if (allocated(error)) return
     stages%running%done = stages%running%done + size(sweep%status)
     ! The end of an incomplete curve need not be a resonance.
     allocate (resonance(0))
     self%is_stopped = any(sweep%status == status_stopped)
-    call count_motions(stages%motion, stages%rpm, attractor_options_t(stages%accuracy, threads=stages%running%threads), &
+    call count_motions(motion, stages%rpm, attractor_options_t(stages%accuracy, threads=stages%running%threads), &
                        stages%direction == all_motions .and. .not. self%is_stopped, motions, error)
     self%is_stopped = self%is_stopped .or. motions%stopped
     if (.not. self%is_stopped) resonance = find_resonances(sweep%rpm, sweep%dynamic_factor(:, minloc(stages%amount, 1)))
-    call fill_sweep(stages, sweep, motions, self%tables(self%place('sweep')), error)
-    call fill_worst(stages, sweep, self%is_stopped, self%tables(self%place('sweep_worst')), error)
+    call fill_sweep(stages, motion(1), sweep, motions, self%tables(self%place('sweep')), error)
+    call fill_worst(stages, motion, sweep, self%is_stopped, self%tables(self%place('sweep_worst')), error)
     associate (rpm => [resonance%rpm], table => self%tables(self%place('resonances')))
       m = size(stages%amount)
       n = size(rpm)
@@ -86,11 +101,12 @@ contains
       if (left_out > 0) self%log = 'sweep: interrupted, '//str(points - left_out)//' of '//str(points)// &
                                    ' operating points computed'
     end associate
-  end subroutine run
+  end subroutine run_motions
 
   !> Fills one row for each operating point.
-  pure subroutine fill_sweep(stages, sweep, motions, table, error)
+  pure subroutine fill_sweep(stages, motion, sweep, motions, table, error)
     type(stages_t), intent(in) :: stages
+    type(oscillator_t), intent(in) :: motion     ! of the first relief
     type(sweep_t), intent(in) :: sweep
     type(all_motions_t), intent(in) :: motions
     type(table_t), intent(inout) :: table
@@ -113,7 +129,7 @@ contains
     call table%add('branch_lost', '', 'with direction up, down or both: 1 if the motion at the previous speed led to none '// &
                    'here, else 0', merge(1, 0, [sweep%branch_lost]))
     call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
-                   table%along(2, frequency_ratio(stages%motion(1), sweep%rpm)))
+                   table%along(2, frequency_ratio(motion, sweep%rpm)))
     call table%add('coast_factor', '', of_coast//'; NaN where there is no answer', [sweep%coast_factor])
     call table%add('dte_rms_um', 'um', of_dte_rms, [sweep%dte_rms])
     call table%add('dte_peak_to_peak_um', 'um', of_dte_range, [sweep%dte_range])
@@ -137,8 +153,9 @@ contains
   end subroutine fill_sweep
 
   !> Fills the largest dynamic factor of each relief.
-  subroutine fill_worst(stages, sweep, stopped, table, error)
+  subroutine fill_worst(stages, motion, sweep, stopped, table, error)
     type(stages_t), intent(in) :: stages
+    type(oscillator_t), intent(in) :: motion(:)
     type(sweep_t), intent(in) :: sweep
     logical, intent(in) :: stopped               ! true if the caller ended the run
     type(table_t), intent(inout) :: table
@@ -160,11 +177,11 @@ contains
       call table%add('other_dynamic_factor', '', of_other, [factor_of(other)])
       call table%add('other_rpm', '1/min', of_its_speed, [speed_of(other)])
     end if
-    if (.not. stages%has_corners()) return
+    if (.not. stages%has_corners() .or. allocated(stages%uneven_motion)) return
     corner = no_number()
     do i = 1, size(worst)
       if (worst(i)%rpm > 0 .and. .not. stopped) &
-        call find_corner_estimate(stages%motion(i), worst(i)%rpm, stages%accuracy, corner(i))
+        call find_corner_estimate(motion(i), worst(i)%rpm, stages%accuracy, corner(i))
     end do
     call table%add('corner_estimate', '', of_corner, corner)
   end subroutine fill_worst
