@@ -123,13 +123,14 @@ def plot_face_load(load: Study | Table, ax: Axes | None = None, *, relief_um: fl
     return ax
 
 
-def compare_face_loads(studies: Sequence[Study], ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
-    """Draws K_H_beta and K_F_beta of several studies over their misalignment, with that of ISO 6336-1 method C.
+def compare_face_loads(studies: Study | Sequence[Study], ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
+    """Draws K_H_beta and K_F_beta over the misalignment, with that of ISO 6336-1 method C.
 
     Parameters
     ----------
-    studies : sequence of Study
-        One for each misalignment, as of `case.changed(face={'misalignment_um': 20})`; a single study is one point.
+    studies : Study or sequence of Study
+        A study with a list of misalignments, `&face_load misalignment_um`; of others one for each misalignment, as of
+        `case.changed(face={'misalignment_um': 20})`; without a list a single study is one point.
     ax : Axes, optional
         Axes to draw into; otherwise a figure is made.
     relief_um : float, optional
@@ -147,16 +148,19 @@ def compare_face_loads(studies: Sequence[Study], ax: Axes | None = None, *, reli
     studies = [studies] if isinstance(studies, Study) else list(studies)
     found = []
     for study in studies:
-        summary = study.face_load_summary
         relief = select_value(np.atleast_1d(study.case.get('relief', 'amount_um', 0)), relief_um, 'relief_um')
-        found.append(summary.at(relief_um=relief))
-    found.sort(key=lambda summary: summary.misalignment_um)
+        if 'face_misalignments' in study:
+            table = study.face_misalignments
+            found += [table.at(relief_um=relief, misalignment_um=one) for one in np.unique(table.misalignment_um)]
+        else:
+            found.append(study.face_load_summary.at(relief_um=relief))
+    found.sort(key=lambda row: row.misalignment_um)
     with canvas(ax) as ax:
         for column, label in _labels(studies[0]).items():
             ax.plot([one.misalignment_um for one in found], [one[column] for one in found], **LOOKS[column], label=label,
                     marker='.' if len(found) < 20 else '')  # fmt: skip
         ax.set_ylim(1, None)
-        ax.set_xlabel('Misalignment with lead slopes (µm)')
+        ax.set_xlabel('Misalignment (µm)' if 'face_misalignments' in studies[0] else 'Misalignment with lead slopes (µm)')
         ax.set_ylabel('Face load factor (–)')
         legends_above(ax, (_title(studies[0].face_load_summary, relief), ax.get_legend_handles_labels()[0]))
     return ax

@@ -34,7 +34,7 @@ from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
 from .branches import plot_branches, reliefs_of
 from .deflection_relief import LABELS, plot_deflection_relief, plot_relief_flank
-from .face_load import plot_contact_pattern, plot_face_load
+from .face_load import compare_face_loads, plot_contact_pattern, plot_face_load
 from .flank import plot_flank
 from .frequency import plot_body_campbell, plot_campbell, plot_frequency_response
 from .gears import plot_geometry
@@ -387,6 +387,7 @@ PICTURES = {
     'contact_pattern': Picture("Contact pattern on the pinion's flank: Hertz pressure over face width and diameter",
                                _over_face(plot_contact_pattern), 'face_load'),
     'face_load': Picture('Load over the face width at the worst phase and in contact of the fewest pairs, with K_H_beta', _over_face(plot_face_load)),
+    'face_misalignments': Picture('K_H_beta and K_F_beta over the misalignment, with K_H_beta of ISO 6336-1', _over_face(compare_face_loads)),
     'load': Picture('Load of one pair along its path, and dynamic transmission error, a row for each speed', _loads),
     'motion_harmonics': Picture("Amplitudes of the dynamic transmission error's harmonics, a panel for each speed",
                                 _speeds('motion_harmonics', plot_motion_harmonics)),

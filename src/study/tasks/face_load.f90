@@ -1,9 +1,10 @@
 !> The task `face_load`: load distribution over the face width and the path of contact, and the face load factors.
 module gearsweep_study_tasks_face_load
-  use gearsweep_base, only: axis, dp, error_t, lines_t, piecewise_t, str, table_t
-  use gearsweep_face, only: face_load_t, iso_face_load_factor, iso_shaft_misalignment
+  use gearsweep_base, only: axis, claim_memory, dp, error_t, lines_t, piecewise_t, str, table_t
+  use gearsweep_face, only: alignment_t, face_load_t, face_mesh_t, find_face_load, iso_face_load_factor, iso_shaft_misalignment
   use gearsweep_mesh, only: iso_stiffness
   use gearsweep_study_case_task, only: stage, task_info_t
+  use gearsweep_study_reader_reader, only: reader_t
   use gearsweep_study_run_points, only: of_relief
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
@@ -14,9 +15,10 @@ module gearsweep_study_tasks_face_load
                                        'both sides of a break'
 
   type, extends(runnable_t) :: face_load_task_t
+    real(dp), allocatable :: misalignment(:)     !< over which the factors are computed too, m; not allocated: none
   contains
     procedure, nopass :: describe
-    procedure :: run, add_report
+    procedure :: read_keys, run, add_report
   end type face_load_task_t
 
 contains
@@ -26,9 +28,20 @@ contains
 
     info = task_info_t('face_load', needs=[stage%geometry, stage%face, stage%elasticity, stage%rims, stage%webs, stage%mesh, &
                                            stage%reliefs, stage%amounts], &
-                       tables='face_load face_load_phases face_load_summary', fields='', has_helical=.true., &
+                       tables='face_load face_load_phases face_load_summary face_misalignments', fields='', has_helical=.true., &
                        summary='load over face width and path with misalignment and leads, K_H_beta, K_F_beta, edge load')
   end subroutine describe
+
+  subroutine read_keys(self, reader, error)
+    class(face_load_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+
+    call reader%add_group('face_load', 'The task face_load: the load over the face width.')
+    call reader%get('face_load', 'misalignment_um', self%misalignment, error, unit='um', tasks='face_load', at_least=-1000.0_dp, &
+                    at_most=1000.0_dp, max_size=1000, distinct=.true., default_note='none', &
+                    meaning='misalignments, in place of that of &face, over which face_misalignments has the face load factors')
+  end subroutine read_keys
 
   subroutine run(self, stages, error)
     class(face_load_task_t), intent(inout) :: self
@@ -40,6 +53,8 @@ contains
       call fill_load(stages, loads, self%tables(self%place('face_load')), error)
       call fill_phases(stages, loads, self%tables(self%place('face_load_phases')), error)
       call fill_summary(stages, loads, self%tables(self%place('face_load_summary')), error)
+      if (allocated(self%misalignment)) &
+        call fill_misalignments(stages, self%misalignment, self%tables(self%place('face_misalignments')), error)
       self%is_done = .true.
       self%log = 'face_load: load over '//str(size(loads(1)%gap))//' slices of the face'
     end associate
@@ -117,10 +132,72 @@ contains
     type(face_load_t), intent(in) :: loads(:)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    type(piecewise_t) :: stiffness
+    real(dp) :: width
+    integer :: i, m
+
+    if (allocated(error)) return
+    m = size(loads)
+    width = minval(stages%pair%gear%spec%face_width)
+    call table%over('face load factors for each relief', error, axis('relief_um', 'um', of_relief, stages%amount))
+    call add_factors(stages, loads, spread(stages%faces%alignment, 1, m), table, error)
+    if (allocated(error)) return
+    call table%add('largest_line_load_n_mm', 'N/mm', 'largest load of a slice over its width', &
+                   [(maxval(loads(i)%line_load), i=1, m)])
+    call table%add('ste_mean_um', 'um', 'mean static transmission error', [(sum(loads(i)%share*loads(i)%error), i=1, m)])
+    call table%add('mesh_stiffness_n_um', 'N/um', 'mean tangent stiffness of the mesh', &
+                   [(sum(loads(i)%share*loads(i)%stiffness), i=1, m)])
+    call table%add('misalignment_um', 'um', 'misalignment with both lead slopes', spread(stages%faces%alignment%slope(), 1, m))
+    call table%add('shaft_gap_um', 'um', 'largest gap by twist and bending of pinion and shaft; 0 for a rigid shaft', &
+                   [(maxval(stages%faces%shaft%gap(stages%load, width, loads(i)%middle())), i=1, m)])
+    call table%add('iso_shaft_misalignment_um', 'um', 'f_sh of ISO 6336-1 for that shaft', &
+                   spread(iso_shaft_misalignment(stages%faces%shaft, stages%load/width, width), 1, m))
+  end subroutine fill_summary
+
+  !> Fills the factors of each relief over a list of misalignments (m).
+  subroutine fill_misalignments(stages, misalignment, table, error)
+    type(stages_t), intent(in) :: stages
+    real(dp), intent(in) :: misalignment(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    type(face_load_t), allocatable :: loads(:)
+    type(alignment_t), allocatable :: alignment(:)
+    type(face_mesh_t) :: mesh
+    integer :: i, k, n
+
+    if (allocated(error)) return
+    n = size(misalignment)
+    call claim_memory(2e5_dp*n*size(stages%amount), '&face_load misalignment_um: '//str(n)//' misalignments', error)
+    if (allocated(error)) return
+    mesh = stages%face_mesh
+    allocate (loads(n*size(stages%amount)), alignment(n*size(stages%amount)))
+    do i = 1, size(stages%amount)
+      mesh%profile_error = stages%profile_error_of(i)
+      do k = 1, n
+        associate (at => (i - 1)*n + k)
+          alignment(at) = stages%faces%alignment
+          alignment(at)%misalignment = misalignment(k)
+          call find_face_load(mesh, alignment(at), stages%load, loads(at), error, stages%faces%slices, stages%faces%shaft)
+          if (allocated(error)) return
+        end associate
+      end do
+    end do
+    call table%over('face load factors over the misalignment, for each relief', error, &
+                    axis('relief_um', 'um', of_relief, stages%amount), &
+                    axis('misalignment_um', 'um', 'misalignment without lead slopes', misalignment))
+    call add_factors(stages, loads, alignment, table, error)
+  end subroutine fill_misalignments
+
+  !> Adds the face load factors of load distributions, and those of ISO 6336-1.
+  subroutine add_factors(stages, loads, alignment, table, error)
+    type(stages_t), intent(in) :: stages
+    type(face_load_t), intent(in) :: loads(:)
+    type(alignment_t), intent(in) :: alignment(:)  ! of each
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
     ! Part of f_sh in the misalignment before running in. Source: ISO 6336-1:2006, 7.5.2.
     real(dp), parameter :: of_shaft = 1.33_dp
-    real(dp) :: width, mesh_stiffness, slope, shaft
+    type(piecewise_t) :: stiffness
+    real(dp) :: width, shaft
     integer :: i, m
 
     if (allocated(error)) return
@@ -128,11 +205,7 @@ contains
     width = minval(stages%pair%gear%spec%face_width)
     call iso_stiffness(stages%pair, stages%material, stages%load/width, stiffness, error, stages%iso)
     if (allocated(error)) return
-    mesh_stiffness = stiffness%integral(0.0_dp, stages%pair%contact_ratio)/width
-    slope = stages%faces%alignment%slope()
     shaft = iso_shaft_misalignment(stages%faces%shaft, stages%load/width, width)
-    call table%over('face load factors for each relief', error, axis('relief_um', 'um', of_relief, stages%amount))
-    if (allocated(error)) return
     call table%add('face_load_factor', '', 'K_H_beta in the middle of contact of the fewest pairs, of helical gears of the '// &
                    'mean over the mesh period: largest load on one module of the face over the mean', &
                    [(loads(i)%single_factor, i=1, m)])
@@ -149,22 +222,13 @@ contains
     call table%add('face_in_contact', '', 'fraction of the face that carries in the middle of contact of the fewest pairs, of '// &
                    'helical gears of all lines, as the mean over the mesh period', &
                    [(loads(i)%in_contact, i=1, m)])
-    call table%add('largest_line_load_n_mm', 'N/mm', 'largest load of a slice over its width', &
-                   [(maxval(loads(i)%line_load), i=1, m)])
     call table%add('largest_pressure_mpa', 'MPa', 'largest Hertz pressure of a slice', [(maxval(loads(i)%pressure), i=1, m)])
-    call table%add('ste_mean_um', 'um', 'mean static transmission error', [(sum(loads(i)%share*loads(i)%error), i=1, m)])
-    call table%add('ste_peak_to_peak_um', 'um', 'its peak-to-peak value', &
+    call table%add('ste_peak_to_peak_um', 'um', 'peak-to-peak static transmission error', &
                    [(maxval(loads(i)%error) - minval(loads(i)%error), i=1, m)])
-    call table%add('mesh_stiffness_n_um', 'N/um', 'mean tangent stiffness of the mesh', &
-                   [(sum(loads(i)%share*loads(i)%stiffness), i=1, m)])
-    call table%add('misalignment_um', 'um', 'misalignment with both lead slopes', spread(slope, 1, m))
-    call table%add('shaft_gap_um', 'um', 'largest gap by twist and bending of pinion and shaft; 0 for a rigid shaft', &
-                   [(maxval(stages%faces%shaft%gap(stages%load, width, loads(i)%middle())), i=1, m)])
-    call table%add('iso_shaft_misalignment_um', 'um', 'f_sh of ISO 6336-1 for that shaft', spread(shaft, 1, m))
     call table%add('iso_face_load_factor', '', 'K_H_beta of ISO 6336-1, method C, for the misalignment and 1.33 f_sh, without '// &
-                   'crowning, end relief and running in', spread(iso_face_load_factor(abs(slope) + of_shaft*shaft, mesh_stiffness, &
-                                                                                     stages%load/width), 1, m))
-  end subroutine fill_summary
+                   'crowning, end relief and running in', [(iso_face_load_factor(abs(alignment(i)%slope()) + of_shaft*shaft, &
+                   stiffness%integral(0.0_dp, stages%pair%contact_ratio)/width, stages%load/width), i=1, m)])
+  end subroutine add_factors
 
   pure subroutine add_report(self, lines)
     class(face_load_task_t), intent(in) :: self
@@ -175,6 +239,14 @@ contains
       call lines%add('Load over the face width, misalignment '//str(summary%number('misalignment_um', 1), 4)//' um')
       call summary%show(lines, 'relief_um face_load_factor mean_face_load_factor worst_face_load_factor root_face_load_factor '// &
                         'edge_load face_in_contact iso_face_load_factor')
+      if (allocated(self%misalignment)) then
+        associate (over => self%tables(self%place('face_misalignments')))
+          call lines%add('')
+          call lines%add('Over the misalignment')
+          call over%show(lines, 'relief_um misalignment_um face_load_factor mean_face_load_factor worst_face_load_factor '// &
+                         'root_face_load_factor edge_load face_in_contact iso_face_load_factor')
+        end associate
+      end if
       if (minval(summary%numbers('face_in_contact'))*10 < 1) call lines%add('   a tenth of the face carries: such line loads '// &
         'need another lead, or a check of what is stated')
     end associate

@@ -297,6 +297,7 @@ contains
     call add('face misalignment_um', '12', 'g')
     call add('face misalignment_um', '12', 'g', stated//'mesh model ''fe'';face misalignment_um 5')
     call add('face slices', '16', 'g')
+    call add('face_load misalignment_um', '0, 20', 'g')
     call add('face shaft_diameter_mm', '35', 'g', shaft//';face bearing_offset_mm 5')
     call add('face bearing_span_mm', '90', 'g', shaft//';face bearing_offset_mm 5')
     call add('face bearing_offset_mm', '10', 'g', shaft)
