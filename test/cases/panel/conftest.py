@@ -50,6 +50,17 @@ RATED = """&case tasks = 'rating' /
 &mesh model = 'weber' /
 &rating rpm = 3000, 9000 material = '18CrNiMo7-6', '42CrMo4' /
 """
+HELICAL = """&case tasks = 'face_load', 'sweep' /
+&pair module_mm = 3 face_width_mm = 30 helix_angle_deg = 20 /
+&pinion teeth = 25 crowning_um = 5 /
+&gear teeth = 40 /
+&load torque_nm = 300 /
+&mesh model = 'fe' /
+&section teeth = 3 elements_across = 4 /
+&face misalignment_um = 20 /
+&face_load misalignment_um = -30, 0, 30 /
+&sweep rpm_first = 3000 rpm_last = 9000 rpm_step = 500 /
+"""
 # The tasks that no other case here asks for.
 REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_modes', 'harmonic', 'sensitivity' /
 &pair module_mm = 3 face_width_mm = 20 backlash_um = 60 /
@@ -115,6 +126,7 @@ def folder(tmp_path_factory):
     (path / 'small.nml').write_text(SMALL)
     (path / 'long.nml').write_text(LONG)
     (path / 'more.nml').write_text(MORE)
+    (path / 'helical.nml').write_text(HELICAL)
     (path / 'rest.nml').write_text(REST)
     (path / 'built.nml').write_text(BUILT)
     (path / 'torques.nml').write_text(TORQUES)

@@ -150,6 +150,7 @@ PICTURES = {
     'hassan.nml': ['root', 'modes', 'section'],
     'fzg_c40.nml': ['pressure', 'sliding', 'flash', 'film'],
     'face_load.nml': ['contact_pattern', 'face_factor'],
+    'helical.nml': ['contact_pattern', 'face_misalignment', 'sweep'],
     'torques.nml': ['optimum_ste', 'ste_torques', 'ste_map'],
     'precision.nml': ['precision'],
     'deflection_relief.nml': ['relief_flank', 'relief_search'],
@@ -168,7 +169,7 @@ def test_every_picture_is_drawn_here():
 @pytest.mark.parametrize('scheme', ['light', 'dark'])
 @pytest.mark.parametrize('name', PICTURES)
 def test_pictures_are_drawn(name, scheme, browser, front):
-    window = Window(browser, front.address, color_scheme=scheme).open(name, 'folder' if name in ('more.nml', 'rest.nml', 'built.nml', 'torques.nml') else 'data')
+    window = Window(browser, front.address, color_scheme=scheme).open(name, 'folder' if name in ('more.nml', 'rest.nml', 'built.nml', 'torques.nml', 'helical.nml') else 'data')
     for picture in PICTURES[name]:
         window.page.select_option('#picture', picture)
         window.page.locator(f'#view[data-picture={picture}]').wait_for()

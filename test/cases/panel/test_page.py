@@ -7,7 +7,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from conftest import BUILT, LONG, RATED, REST, ROOT, SMALL, Front, Window, shown
+from conftest import BUILT, HELICAL, LONG, RATED, REST, ROOT, SMALL, Front, Window, shown
 
 import gearsweep
 from gearsweep.plots.sensitivity import NUMBERS
@@ -96,6 +96,39 @@ def test_the_contact_pattern_follows_misalignment_and_crowning(browser, front):
     window.shoot('face')
     window.page.locator('#numbers > div', has_text='K_H_beta').locator('button').click()
     window.page.locator('#view[data-picture=contact_pattern]').wait_for()
+    assert window.said == []
+    window.close()
+
+
+def test_the_face_of_helical_gears_has_oblique_lines(browser, front):
+    """Where a pair enters, each line falls by the overlap over the face, within the path of contact; the pressure is the library's."""
+    window = Window(browser, front.address).open('helical.nml')
+    window.page.select_option('#picture', 'contact_pattern')
+    window.page.locator('#view[data-picture=contact_pattern] svg.chart').wait_for()
+    study = gearsweep.run(gearsweep.Case(HELICAL))
+    geometry, load = study.geometry, study.face_load
+    ratio, overlap, width = geometry.contact_ratio, geometry.overlap_ratio, 30
+    lines = [(max(0, (k - ratio) / overlap), min(1, k / overlap)) for k in range(int(geometry.total_contact_ratio) + 1)]
+    lines = [one for one in lines if one[1] - one[0] > 0.01]
+    paper = window.page.locator('#view .chart .body rect').first
+    left, top, across, height = (float(paper.get_attribute(name)) for name in ('x', 'y', 'width', 'height'))
+    drawn = window.page.locator('#view .chart .body line').all()[1::2]
+    assert len(drawn) == len(lines) == 2
+    for one, (first, last) in zip(sorted(drawn, key=lambda one: float(one.get_attribute('y1')), reverse=True), lines):
+        x1, y1, x2, y2 = (float(one.get_attribute(name)) for name in ('x1', 'y1', 'x2', 'y2'))
+        assert [(x1 - left) / across, (x2 - left) / across] == pytest.approx([first, last], abs=0.01)
+        assert (y2 - y1) / height == pytest.approx((last - first) * overlap / ratio, abs=0.01)
+    # Coloured where lines bear: as many of the cells as of the places on the path.
+    on_path = (load.s > 0) & (load.s < ratio)
+    share = (load.slice_mm[on_path] * (load.pressure_mpa[on_path] > 0)).sum() / load.slice_mm[on_path].sum()
+    rects = window.page.locator('#view .chart .body rect').all()[1:]
+    area = sum(float(one.get_attribute('width')) * float(one.get_attribute('height')) for one in rects) / (across * height)
+    assert area == pytest.approx(share, abs=0.06)
+    assert float(window.number('K_H_beta')) > 1
+    window.shoot('helical')
+    window.page.select_option('#picture', 'face_misalignment')
+    window.page.locator('#view[data-picture=face_misalignment] svg.chart').wait_for()
+    window.shoot('helical-misalignment')
     assert window.said == []
     window.close()
 

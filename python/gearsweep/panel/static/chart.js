@@ -222,6 +222,7 @@ function drawMap(drawing, spec, x, y, width, height) {
     const [a, b, c, d] = [x(walls.x[i]), x(walls.x[i + 1]), y(walls.y[j + 1]), y(walls.y[j])].map((at) => Math.round(10 * at) / 10);
     body.append(svg('rect', { x: a, y: c, width: Math.max(0.5, b - a).toFixed(1), height: Math.max(0.5, d - c).toFixed(1), fill: shadeOf(isLog && value <= 0 ? 0 : shade(value)) }));
   }
+  for (const [[a, b], [c, d]] of spec.map.lines ?? []) for (const [stroke, wide] of [['#fff', 3.5], ['#000', 1.5]]) body.append(svg('line', { x1: x(a), y1: y(b), x2: x(c), y2: y(d), stroke, 'stroke-width': wide, 'shape-rendering': 'auto', class: 'contact' }));
   drawing.append(body);
   const right = width - 70, bar = svg('g', { class: 'axes' });
   for (let k = 0; k < 40; k++) bar.append(svg('rect', { x: right, width: 12, y: y.floor - (k + 1) * (y.floor - TOP) / 40, height: (y.floor - TOP) / 40 + 0.5, fill: shadeOf(k / 39) }));

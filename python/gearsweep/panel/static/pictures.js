@@ -29,7 +29,8 @@ export const PICTURES = [
   { id: 'factor_map', title: 'Largest dynamic factor over torque and relief', table: 'optimum_map', task: 'optimum', kind: 'map', x: 'torque_nm', y: 'relief_um', z: 'worst_dynamic_factor', ...BY_FACTOR },
   { id: 'relief_flank', title: 'Tip relief over the diameter', table: 'relief_flank', task: 'deflection_relief', x: 'diameter_mm', y: 'relief_um', first: 'method' },
   { id: 'relief_search', title: 'Largest dynamic factor over relief, as searched', table: 'relief_curve', task: 'deflection_relief', x: 'relief_um', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor' },
-  { id: 'contact_pattern', title: 'Contact pattern: pressure over face width and path', table: 'face_load', kind: 'map', x: 'z_mm', xname: 'Place z over the face width (mm)', y: 's', z: 'pressure_mpa', zname: 'Hertz pressure (MPa)', without: ['mesh_phase'], widths: 'slice_mm', low: 0, blank: 0, below: 'Upwards from root to tip of the pinion; white: no contact.' },
+  { id: 'contact_pattern', title: 'Contact pattern: pressure over face width and path', table: 'face_load', kind: 'map', x: 'z_mm', xname: 'Place z over the face width (mm)', y: 's', z: 'pressure_mpa', zname: 'Hertz pressure (MPa)', without: ['mesh_phase'], widths: 'slice_mm', low: 0, blank: 0, needs: { contact_points: ['s'] }, below: 'Upwards from root to tip of the pinion; white: no contact.', oblique: 'Lines: of contact where a pair enters; they move upwards.' },
+  { id: 'face_misalignment', title: 'Face load factors over the misalignment', table: 'face_misalignments', task: 'face_load', x: 'misalignment_um', y: ['worst_face_load_factor', 'face_load_factor', 'root_face_load_factor', 'iso_face_load_factor'], yname: 'Face load factor', names: ['worst phase, K_Hβ', 'K_Hβ', 'root, K_Fβ', 'ISO 6336-1 method C'], set: ['face_load', 'misalignment_um', '-40, -30, -20, -10, 0, 10, 20, 30, 40'] },
   { id: 'face_factor', title: 'Load factor of the face over the mesh period', table: 'face_load_phases', task: 'face_load', x: 'mesh_phase', y: 'face_load_factor', yname: 'Largest load on one module over the mean' },
   { id: 'load', title: 'Load of one pair in motion', table: 'load', x: 's', y: 'pair_load_n', fromZero: true, ...ALONG },
   { id: 'dte', title: 'Dynamic transmission error', table: 'load', x: 's', y: 'dte_um', ...ALONG },
@@ -157,6 +158,28 @@ function marked(picture, data) {
   return [];
 }
 
+/** The face with oblique lines of contact, each with a place of its own on every slice: on steps of the path, and the lines where a pair enters. */
+function oblique(picture, columns, rows, data) {
+  const z = columns[picture.x], s = columns[picture.y], value = columns[picture.z], widths = columns[picture.widths];
+  const xs = [...new Set(rows.map((i) => z[i]))].sort((a, b) => a - b), slices = xs.length, start = rows.filter((i) => z[i] === xs[0]);
+  const fall = (s[rows[0]] - s[rows[slices - 1]]) / (xs[slices - 1] - xs[0]);
+  if (!(fall > 0)) return null;
+  const width = rows.slice(0, slices).reduce((sum, i) => sum + widths[i], 0), steps = 60;
+  const [low, high] = [Math.min(...data.contact_points.s), Math.max(...data.contact_points.s)];
+  const edges = Array.from({ length: steps + 1 }, (_, k) => low + (high - low) * k / steps), ys = between(edges);
+  const along = xs.map((_, k) => start.map((i) => [s[i + k], value[i + k]]).sort((a, b) => a[0] - b[0]));
+  const pressure = (places, at) => {
+    const next = places.findIndex((one) => one[0] > at);
+    if (next < 1) return null;
+    const [[a, p], [b, q]] = [places[next - 1], places[next]];
+    return p + (q - p) * (at - a) / (b - a) || null;
+  };
+  const lines = start.filter((i) => columns.mesh_phase[i] === 0).map((i) => s[i] + fall * xs[0])
+    .map((top) => [[Math.max(0, (top - high) / fall), Math.min(top, high)], [Math.min(width, (top - low) / fall), Math.max(low, top - fall * width)]])
+    .filter(([[a], [b]]) => b > a + 0.01 * width);
+  return { xs, ys, z: ys.map((at) => along.map((places) => pressure(places, at))), walls: { x: [0, ...xs.map((x, k) => x + widths[rows[k]] / 2)], y: edges }, lines };
+}
+
 /** What the chart draws, of one study: `chosen` says which value of each further index column is shown. */
 export function drawn(picture, about, data, chosen) {
   const table = about[picture.table], columns = data[picture.table];
@@ -173,6 +196,8 @@ export function drawn(picture, about, data, chosen) {
   }
   if (picture.kind === 'map') {
     const { where, further } = picked(families(picture, about, data), columns, chosen);
+    const face = picture.widths && oblique(picture, columns, rowsWhere(columns, where), data);
+    if (face) return { ...spec, below: `${picture.below} ${picture.oblique}`, map: { ...face, label: picture.zname, low: picture.low, isPaper: true }, series: [], families: further };
     const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);
     const z = ys.map(() => xs.map(() => null));
     const isBlank = (i) => isBound(i) || columns[picture.z][i] === picture.blank;
