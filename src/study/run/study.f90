@@ -73,7 +73,6 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(study_t), intent(in), target, optional :: earlier
     character(:), allocatable :: path, text
-    type(face_mesh_t) :: faces
     integer :: i
 
     associate (case => study%case)
@@ -100,15 +99,7 @@ contains
       if (allocated(error)) return
       if (case%needs(stage%mesh)) then
         call mesh_and_motion(study, folder, error, earlier)
-        associate (has_helical_motion => case%is_helical() .and. case%needs(stage%motion))
-          if (has_helical_motion .or. case%has_uneven_motion() .or. case%needs_face_load()) &
-            call build_faces(study%stages_t, faces, error)
-          if (has_helical_motion) call build_helical_motions(study%stages_t, faces, study%motions_inputs, study%motion, error)
-        end associate
-        if (case%has_uneven_motion()) &
-          call build_uneven_motions(study%stages_t, faces, study%motions_inputs, study%uneven_motion, error)
-        if (case%needs_face_load()) call find_face_loads(study%stages_t, faces, study%face_loads, error)
-        if (case%requests('face_load')) study%face_mesh = faces
+        call run_faces(study, error)
       else
         call study%running%note('mesh and motion left out: no task needs them')
       end if
@@ -136,6 +127,25 @@ contains
       if (case%needs(stage%motion) .and. .not. case%has_backlash) call running%note('coast side left out: no backlash given')
     end associate
   end subroutine run_stages
+
+  !> Finds the load over the face width, and the motions that follow from it.
+  subroutine run_faces(study, error)
+    type(study_t), intent(inout) :: study
+    type(error_t), allocatable, intent(inout) :: error
+    type(face_mesh_t) :: faces
+    logical :: has_helical_motion
+
+    associate (case => study%case)
+      has_helical_motion = case%is_helical() .and. case%needs(stage%motion)
+      if (has_helical_motion .or. case%has_uneven_motion() .or. case%needs_face_load()) &
+        call build_faces(study%stages_t, faces, error)
+      if (has_helical_motion) call build_helical_motions(study%stages_t, faces, study%motions_inputs, study%motion, error)
+      if (case%has_uneven_motion()) &
+        call build_uneven_motions(study%stages_t, faces, study%motions_inputs, study%uneven_motion, error)
+      if (case%needs_face_load()) call find_face_loads(study%stages_t, faces, study%face_loads, error)
+      if (case%requests('face_load')) study%face_mesh = faces
+    end associate
+  end subroutine run_faces
 
   !> Completes the shaft by the pinion's numbers: it twists within its reference diameter less the dedendum of the rack on one side.
   pure subroutine complete_shaft(gear, material, shaft)
