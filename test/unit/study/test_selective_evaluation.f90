@@ -30,7 +30,7 @@ module test_selective_evaluation
   character(*), parameter :: text = &
     '&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 bore_mm = 12 / &gear teeth = 34 / &load torque_nm = 100 /'// &
     '&relief amount_um = 0, 8, 20 / &mesh model = ''fe'' / &section elements_across = 4 /'// &
-    '&static positions = 5 field_position = 0 /'// &
+    '&static positions = 5 field_position = 0 / &face_load misalignment_um = -20, 0, 20 /'// &
     '&dynamics damping_ratio = 0.1 /'// &
     '&sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 load_torque = .true. /'// &
     '&body_modes nodal_diameters = 2 elements_across = 2 /'// &
