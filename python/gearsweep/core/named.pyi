@@ -362,14 +362,16 @@ class FaceLoadSummaryTable(Table):
     """mean over the period of the load on the outermost module of the face, larger end, over the mean"""
     face_in_contact: NDArray[float64]
     """fraction of the face that carries in the middle of contact of the fewest pairs, of helical gears of all lines, as the mean over the mesh period"""
-    largest_line_load_n_mm: NDArray[float64]
-    """N/mm: largest load of a slice over its width"""
     largest_pressure_mpa: NDArray[float64]
     """MPa: largest Hertz pressure of a slice"""
+    ste_peak_to_peak_um: NDArray[float64]
+    """um: peak-to-peak static transmission error"""
+    iso_face_load_factor: NDArray[float64]
+    """K_H_beta of ISO 6336-1, method C, for the misalignment and 1.33 f_sh, without crowning, end relief and running in"""
+    largest_line_load_n_mm: NDArray[float64]
+    """N/mm: largest load of a slice over its width"""
     ste_mean_um: NDArray[float64]
     """um: mean static transmission error"""
-    ste_peak_to_peak_um: NDArray[float64]
-    """um: its peak-to-peak value"""
     mesh_stiffness_n_um: NDArray[float64]
     """N/um: mean tangent stiffness of the mesh"""
     misalignment_um: NDArray[float64]
@@ -378,8 +380,6 @@ class FaceLoadSummaryTable(Table):
     """um: largest gap by twist and bending of pinion and shaft; 0 for a rigid shaft"""
     iso_shaft_misalignment_um: NDArray[float64]
     """um: f_sh of ISO 6336-1 for that shaft"""
-    iso_face_load_factor: NDArray[float64]
-    """K_H_beta of ISO 6336-1, method C, for the misalignment and 1.33 f_sh, without crowning, end relief and running in"""
 
 class LoadTable(Table):
     """dynamic load of one pair along its path of contact"""
