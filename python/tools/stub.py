@@ -36,7 +36,7 @@ def studies() -> list[gearsweep.Study]:
               'precision': {'most_steps': 50, 'most_samples': 32, 'most_elements': 4, 'modes': 1},
               'flank': {'rpm': 1600},
               'transient': {'rpm': 1600, 'modes': 2, 'samples': 2}, 'harmonic': {'frequency_hz': [0, 1e5], 'modes': 2},
-              'life': {'rpm': 1600, 'duration_h': 1}, 'rating': {'rpm': 1600, 'material': 'C45', 'life_h': 1000}, 'pinion': {'bore_mm': 20},
+              'face_load': {'misalignment_um': [0, 10]}, 'life': {'rpm': 1600, 'duration_h': 1}, 'rating': {'rpm': 1600, 'material': 'C45', 'life_h': 1000}, 'pinion': {'bore_mm': 20},
               'body_modes': {'nodal_diameters': 1, 'elements_across': 2, 'shapes': 1},
               'as_built': {'waterfall': True, 'with_ste': True, 'with_root_stress': True}, 'deviations': {'pinion_class': 6}}  # fmt: skip
     whole = gearsweep.run(gearsweep.Case.read(ROOT / 'data/case1.nml').changed(**coarse), tasks)

@@ -381,6 +381,34 @@ class FaceLoadSummaryTable(Table):
     iso_shaft_misalignment_um: NDArray[float64]
     """um: f_sh of ISO 6336-1 for that shaft"""
 
+class FaceMisalignmentsTable(Table):
+    """face load factors over the misalignment, for each relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    misalignment_um: NDArray[float64]
+    """um: misalignment without lead slopes"""
+    face_load_factor: NDArray[float64]
+    """K_H_beta in the middle of contact of the fewest pairs, of helical gears of the mean over the mesh period: largest load on one module of the face over the mean"""
+    mean_face_load_factor: NDArray[float64]
+    """K_H_beta of the load's mean over the mesh period"""
+    worst_face_load_factor: NDArray[float64]
+    """K_H_beta at the phase where it is largest"""
+    worst_phase: NDArray[float64]
+    """that mesh phase"""
+    root_face_load_factor: NDArray[float64]
+    """K_F_beta: largest root stress along the face over that of an even load, at the outer points of contact of the fewest pairs, of helical gears under the mean load"""
+    edge_load: NDArray[float64]
+    """mean over the period of the load on the outermost module of the face, larger end, over the mean"""
+    face_in_contact: NDArray[float64]
+    """fraction of the face that carries in the middle of contact of the fewest pairs, of helical gears of all lines, as the mean over the mesh period"""
+    largest_pressure_mpa: NDArray[float64]
+    """MPa: largest Hertz pressure of a slice"""
+    ste_peak_to_peak_um: NDArray[float64]
+    """um: peak-to-peak static transmission error"""
+    iso_face_load_factor: NDArray[float64]
+    """K_H_beta of ISO 6336-1, method C, for the misalignment and 1.33 f_sh, without crowning, end relief and running in"""
+
 class LoadTable(Table):
     """dynamic load of one pair along its path of contact"""
 
@@ -2280,6 +2308,8 @@ class Named:
     def face_load_phases(self) -> FaceLoadPhasesTable: ...
     @property
     def face_load_summary(self) -> FaceLoadSummaryTable: ...
+    @property
+    def face_misalignments(self) -> FaceMisalignmentsTable: ...
     @property
     def load(self) -> LoadTable: ...
     @property
