@@ -5,7 +5,7 @@ module gearsweep_base_quintic
   use gearsweep_base_kinds, only: dp
   implicit none
   private
-  public :: quintic, bounds_of, value_of, derivative_of, evaluate, maximum_of, place_of_largest, first_zero, may_cross_zero
+  public :: quintic, bounds_of, value_of, derivative_of, maximum_of, over_part, place_of_largest, first_zero, may_cross_zero
 
 contains
 
@@ -53,15 +53,25 @@ contains
     derivative_of = (((5*c(5)*t + 4*c(4))*t + 3*c(3))*t + 2*c(2))*t + c(1)
   end function derivative_of
 
-  !> Computes value and first derivative at t.
-  pure subroutine evaluate(c, t, value, derivative)
-    real(dp), intent(in) :: c(0:5)     !< coefficients
-    real(dp), intent(in) :: t          !< place, 0 to 1
-    real(dp), intent(out) :: value, derivative
+  !> Value, first and second derivative of a polynomial of any degree at two places, over the part between them; (0:2, place).
+  pure function over_part(c, places) result(f)
+    real(dp), intent(in) :: c(0:)      !< coefficients in ascending powers
+    real(dp), intent(in) :: places(2)
+    real(dp) :: f(0:2, 2), length
+    integer :: i, k
 
-    value = value_of(c, t)
-    derivative = derivative_of(c, t)
-  end subroutine evaluate
+    length = places(2) - places(1)
+    f = 0
+    do i = 1, 2
+      do k = ubound(c, 1), 0, -1
+        f(2, i) = f(2, i)*places(i) + f(1, i)
+        f(1, i) = f(1, i)*places(i) + f(0, i)
+        f(0, i) = f(0, i)*places(i) + c(k)
+      end do
+    end do
+    f(1, :) = length*f(1, :)
+    f(2, :) = 2*length**2*f(2, :)
+  end function over_part
 
   !> Coefficients of the first derivative.
   pure function differentiated(c) result(d)

@@ -1,170 +1,48 @@
-!> Changes of contact within a step (events): detected, bracketed and accepted one by one.
+!> Changes of contact within a step (events), found one after the other on the dense polynomials of the motions.
 !>
-!> The motion and its propagator follow from the sub-steps between the events. Only the speeds of a batch with events take part.
-!> Loads are those of the pairs, followed with backlash by those of the coast sides, at both ends of a step or sub-step with first
-!> and second derivative over it. A trace also records the overlaps of all contacts over a step or sub-step.
+!> After an event the motion starts from the same state under the new contact set. Extrapolated back to the start of the step, it
+!> uses that set's propagator over the whole step. Where damping or a long step forbids that, it continues in parts of the step,
+!> from the event on, each with a propagator of its own. Motions of a batch whose contact sets are the same share all this.
 module gearsweep_motion_contact_events
-  use gearsweep_base, only: derivative_of, dp, evaluate, first_zero, may_cross_zero, quintic
+  use gearsweep_base, only: derivative_of, dp, first_zero, may_cross_zero, quintic, value_of
   use gearsweep_motion_coefficients, only: need_law
   use gearsweep_motion_contact_set, only: in_contact, period_t, record_contact, set_contact
+  use gearsweep_motion_dense_step, only: by_force, by_place, by_speed, evaluate, is_smooth, motions_from, need_dense_part, &
+    need_dense_step
   use gearsweep_motion_gauss, only: batch_size
-  use gearsweep_motion_integrator, only: derivatives, enter_step, integrator_t, load_over, may_have_more, motion_over_sub_step, &
-    move_end, need_curves, raise_peak, range_of_motion, sum_contacts, take_sub_step
-  use gearsweep_motion_load_peaks, only: load_over_step, may_exceed, motion_over_step, raise_to_maximum
+  use gearsweep_motion_integrator, only: arc_t, integrator_t, motion_in, note_arc, raise_coast, record_part
+  use gearsweep_motion_load_peaks, only: curve_over, in_part
   use gearsweep_motion_oscillator, only: damping, resolving_steps, touches_coast
-  use gearsweep_motion_period_map, only: event_t, last, period_map_t, sub_steps_t
-  use gearsweep_motion_trace, only: overlaps_t, record, trace_t, watch_contact
+  use gearsweep_motion_period_map, only: period_map_t
+  use gearsweep_motion_trace, only: trace_t
   implicit none
   private
-  public :: loads_over_step, raise_coast_over_step, watch_step, locate_events
+  public :: locate_events
 
   !> Largest number of events within one step, and within one period beyond those of free oscillation; contact with more events
   !> chatters.
   integer, parameter :: most_events = 40, most_extra = 1000
 
   !> Computing time of an event, in steps.
-  real(dp), parameter :: cost = 20
+  real(dp), parameter :: cost = 1
 
-  !> Overlap beyond zero at which an event is accepted: at zero itself the side is undefined. The force is continuous there.
-  real(dp), parameter :: tolerance = 1e-13_dp
+  !> Motions of a batch in one step, from one event to the next. Places run from 0 to 1 over the step.
+  type :: motions_t
+    integer :: step
+    logical :: extrapolates                      !< propagators over the whole step serve from an event on
+    logical, dimension(batch_size) :: active     !< the end of the step is not reached
+    logical, dimension(batch_size) :: found      !< contact has changed
+    integer, dimension(batch_size) :: events     !< number of changes
+    integer, dimension(batch_size) :: changed    !< contact that has changed at `from`; 0: none
+    real(dp), dimension(batch_size) :: from      !< place from which the contact set holds
+    real(dp), dimension(batch_size) :: left, width       !< start and length of the part that the polynomial covers
+    real(dp), dimension(batch_size) :: x, v      !< state at the start of the part: x and its derivative over the part, m
+    real(dp) :: derivative(batch_size, 4)        !< of that by x and y at the start of the step, columns one after the other
+    integer, dimension(batch_size) :: contact    !< contact that changes next; 0: none
+    real(dp), dimension(batch_size) :: place     !< where it does
+  end type motions_t
 
 contains
-
-  !> Computes the motion and the loads over a step without a change of contact.
-  pure subroutine loads_over_step(map, step, contact_set, duration, state, x, load)
-    type(period_map_t), intent(inout) :: map
-    integer, intent(in) :: step, contact_set
-    real(dp), intent(in) :: duration             !< duration of the mesh period, s
-    real(dp), intent(in) :: state(2, 2)          !< x and its derivative over the phase (m) at both ends; (x or y, end)
-    real(dp), intent(out) :: x(0:2, 2)           !< m; (derivative, end)
-    real(dp), intent(out) :: load(0:2, map%osc%contacts, 2)  !< N; (derivative, contact, end)
-    real(dp) :: of_contact(0:2, 2)
-    integer :: j, law
-
-    call need_law(map%osc, step, contact_set, map%table, law)
-    call motion_over_step(map%osc, map%table, step, law, duration, state, x)
-    load = 0
-    do j = 1, map%osc%contacts
-      if (.not. in_contact(contact_set, j)) cycle
-      call load_over_step(map%table, step, law, j, x, of_contact)
-      load(:, j, :) = merge(-of_contact, of_contact, j > map%osc%pairs)
-    end do
-  end subroutine loads_over_step
-
-  !> Computes the motion and the loads over the sub-step of one motion of a batch.
-  pure subroutine loads_over_sub_step(map, l, c, contact_set, x, load)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l                     !< index of the speed in the batch
-    type(sub_steps_t), intent(in) :: c
-    integer, intent(in) :: contact_set           !< contact set of the motion
-    real(dp), intent(out) :: x(0:2, 2)           !< m; (derivative, end)
-    real(dp), intent(out) :: load(0:2, map%osc%contacts, 2)  !< N; (derivative, contact, end)
-    integer :: j
-
-    x = motion_over_sub_step(map, l, c)
-    load = 0
-    do j = 1, map%osc%contacts
-      if (.not. in_contact(contact_set, j)) cycle
-      load(:, j, :) = load_over(c%curves(c%curve(l)), j, c%left(l) + [0.0_dp, c%width(l)], x)
-      if (j > map%osc%pairs) load(:, j, :) = -load(:, j, :)
-    end do
-  end subroutine loads_over_sub_step
-
-  !> Raises the largest load on the coast sides by that over a step, where they are in contact.
-  pure subroutine raise_coast_over_step(map, step, contact_set, duration, state, peak)
-    type(period_map_t), intent(inout) :: map
-    integer, intent(in) :: step, contact_set
-    real(dp), intent(in) :: duration             !< duration of the mesh period, s
-    real(dp), intent(in) :: state(2, 2)          !< x and its derivative over the phase (m) at both ends; (x or y, end)
-    real(dp), intent(inout) :: peak              !< largest load so far, N
-    real(dp) :: x(0:2, 2), load(0:2, map%osc%contacts, 2)
-
-    if (.not. touches_coast(map%osc, contact_set)) return
-    call loads_over_step(map, step, contact_set, duration, state, x, load)
-    call raise(sum(load(:, map%osc%pairs + 1:, :), 2), peak)
-  end subroutine raise_coast_over_step
-
-  !> Raises the largest load on the coast sides by that over a sub-step.
-  pure subroutine raise_coast_over_sub_step(map, l, c, contact_set, peak)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l                     !< index of the speed in the batch
-    type(sub_steps_t), intent(in) :: c
-    integer, intent(in) :: contact_set           !< contact set of the motion
-    real(dp), intent(inout) :: peak              !< largest load so far, N
-    real(dp) :: x(0:2, 2), load(0:2, map%osc%contacts, 2)
-
-    if (.not. touches_coast(map%osc, contact_set)) return
-    call loads_over_sub_step(map, l, c, contact_set, x, load)
-    call raise(sum(load(:, map%osc%pairs + 1:, :), 2), peak)
-  end subroutine raise_coast_over_sub_step
-
-  pure subroutine raise(load, peak)
-    real(dp), intent(in) :: load(0:2, 2)
-    real(dp), intent(inout) :: peak
-
-    peak = max(peak, load(0, 1), load(0, 2))
-    if (may_exceed(load, peak)) call raise_to_maximum(load, peak)
-  end subroutine raise
-
-  !> Records the overlaps over a step without events, of the first motion of the map.
-  pure subroutine watch_step(map, step, states, contact_set, overlaps)
-    type(period_map_t), intent(inout) :: map
-    integer, intent(in) :: step, contact_set
-    real(dp), intent(in) :: states(2, 2)         !< states at both ends, m; (x or y, end)
-    type(overlaps_t), intent(inout) :: overlaps
-    real(dp), dimension(0:2, 2) :: motion, overlap
-    real(dp) :: scale(0:2)
-    integer :: j, end, law
-
-    call need_law(map%osc, step, contact_set, map%table, law)
-    associate (osc => map%osc, table => map%table, width => map%table%width(step))
-      scale = [1.0_dp, width, width**2]
-      call motion_over_step(osc, table, step, law, map%duration(1), states, motion)
-      do j = 1, osc%contacts
-        if (j > table%pairs(step) .and. j <= osc%pairs) cycle
-        do end = 1, 2
-          overlap(:, end) = motion(:, end) - scale*table%touching(:, j, end, law)
-        end do
-        if (j > osc%pairs) overlap = -overlap
-        call watch_contact(j, table%left(step) + [0.0_dp, width], breaks_at(map, step), overlap, overlaps)
-      end do
-    end associate
-  end subroutine watch_step
-
-  !> True for the start and for the end of a step at a break; (2).
-  pure function breaks_at(map, step) result(breaks)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: step
-    logical :: breaks(2)
-
-    breaks(1) = map%table%kind(step)%begins
-    breaks(2) = step == map%table%steps
-    if (.not. breaks(2)) breaks(2) = map%table%kind(step + 1)%begins
-  end function breaks_at
-
-  !> Records the overlaps over the sub-step of motion l.
-  pure subroutine watch_sub_step(map, l, c, overlaps)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l
-    type(sub_steps_t), intent(in) :: c
-    type(overlaps_t), intent(inout) :: overlaps
-    real(dp), dimension(0:2, 2) :: motion, overlap
-    real(dp) :: place(2)
-    logical :: breaks(2)
-    integer :: j
-
-    place = c%left(l) + [0.0_dp, c%width(l)]
-    breaks = breaks_at(map, c%step) .and. [.not. c%left(l) > 0, c%left(l) + c%width(l) >= 1]
-    motion = motion_over_sub_step(map, l, c)
-    associate (osc => map%osc, table => map%table)
-      do j = 1, osc%contacts
-        if (j > table%pairs(c%step) .and. j <= osc%pairs) cycle
-        overlap = motion - derivatives(c%curves(c%curve(l))%touching(:, j), place)
-        if (j > osc%pairs) overlap = -overlap
-        call watch_contact(j, table%left(c%step) + table%width(c%step)*place, breaks, overlap, overlaps)
-      end do
-    end associate
-  end subroutine watch_sub_step
 
   !> Integrates the motions whose contact may change (`state%changes`) over a step. Where it does change, updates the final state,
   !> propagator, contacts and largest loads; elsewhere sets `state%changes` to false.
@@ -175,297 +53,401 @@ contains
     real(dp), intent(inout) :: propagator(batch_size, 6)
     type(period_t), intent(inout) :: period(:)   !< results at each speed
     type(trace_t), intent(inout), optional :: trace    !< trace of the first motion
-    integer :: l
+    type(motions_t) :: motions
+    type(arc_t) :: arc
+    integer :: l, which
 
-    if (.not. allocated(state%sub_steps)) call move_alloc(map%sub_steps, state%sub_steps)
-    if (.not. allocated(state%sub_steps)) allocate (state%sub_steps)
-    call begin_step(map, step, state)
-    do
-      do l = 1, map%speeds
-        if (.not. state%sub_steps%event(l)%active) cycle
-        if (state%sub_steps%event(l)%contact == 0) then
-          call detect(map, l, state, period(l), trace)
+    call begin(map, step, state, motions)
+    arc%step = step
+    do l = 1, map%speeds
+      do while (motions%active(l))
+        arc%contact_set = state%contact_set(l)
+        arc%alike = motions%active .and. state%contact_set == arc%contact_set .and. &
+                    (motions%width >= 1 .eqv. motions%width(l) >= 1)
+        arc%from = motions%from
+        arc%left = motions%left
+        arc%width = motions%width
+        if (motions%width(l) >= 1) then
+          call need_dense_step(map, step, arc%contact_set, which)
         else
-          call bracket(map, l, state, period(l), trace)
+          call need_dense_part(map, step, arc%contact_set, arc%left, arc%width, which)
         end if
+        call motions_from(map%speeds, map%dense(which)%c, motions%x, motions%v, arc%c)
+        call find_next(map, state, arc, motions)
+        call finish(map, arc, which, motions, state, propagator, trace)
+        call change(map, arc, which, motions, state, period, trace)
       end do
-      if (.not. any(state%sub_steps%event%active)) exit
-      call take_sub_step(map, state%sub_steps)
     end do
-    associate (c => state%sub_steps)
-      state%changes = c%event%found
-      do l = 1, map%speeds
-        if (.not. state%changes(l)) cycle
-        state%x(l, state%to) = c%x(l, 1)
-        state%y(l, state%to) = c%y(l, 1)
-        propagator(l, :4) = c%event(l)%propagator
-      end do
-    end associate
+    state%changes = motions%found
   end subroutine locate_events
 
-  !> Begins a step with the complete step as the first sub-step.
-  pure subroutine begin_step(map, step, state)
-    type(period_map_t), intent(inout) :: map
+  !> Begins with the whole step.
+  pure subroutine begin(map, step, state, motions)
+    type(period_map_t), intent(in) :: map
     integer, intent(in) :: step
+    type(integrator_t), intent(in) :: state
+    type(motions_t), intent(out) :: motions
+
+    motions%step = step
+    motions%extrapolates = is_smooth(map, step)
+    motions%active = state%changes
+    motions%active(map%speeds + 1:) = .false.
+    motions%found = .false.
+    motions%events = 0
+    motions%changed = 0
+    motions%from = 0
+    motions%left = 0
+    motions%width = 1
+    motions%x = state%x(:, state%from)
+    motions%v = map%table%width(step)*state%y(:, state%from)
+    motions%derivative = 0
+    motions%derivative(:, 1) = 1
+    motions%derivative(:, 4) = map%table%width(step)
+  end subroutine begin
+
+  !> Longest part of a step under strong damping. Changes of contact cut the steps of every refinement level at the same places, so
+  !> that doubling the steps does not show the error of the parts: where a contact lasts shorter than a step, and damping changes
+  !> the motion within it, they must be short.
+  pure real(dp) function longest_part(map, step, l) result(longest)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step, l
+    real(dp), parameter :: decay = 0.05_dp
+
+    longest = 1
+    if (map%osc%damping_ratio > 1) &
+      longest = min(1.0_dp, decay/(damping(map%osc, map%osc%highest_frequency)*map%duration(l)*map%table%width(step)))
+  end function longest_part
+
+  !> Finds the contact that changes first in each motion of an arc, and where, by the overlaps at both ends.
+  pure subroutine find_next(map, state, arc, motions)
+    type(period_map_t), intent(inout) :: map
+    type(integrator_t), intent(in) :: state
+    type(arc_t), intent(inout) :: arc            !< out: with its ends, as far as no contact changes
+    type(motions_t), intent(inout) :: motions
+    real(dp) :: touching(0:5), overlap(2), slope(2), touch(2), turn(2)
+    real(dp), dimension(batch_size, 2) :: x, v
+    integer :: j, l, law
+
+    call need_law(map%osc, arc%step, arc%contact_set, map%table, law)
+    arc%to = arc%left + arc%width
+    call evaluate(map%speeds, arc%c, (arc%from - arc%left)/arc%width, x(:, 1), v(:, 1))
+    call evaluate(map%speeds, arc%c, (arc%to - arc%left)/arc%width, x(:, 2), v(:, 2))
+    motions%contact = 0
+    motions%place = arc%to
+    do j = 1, map%osc%contacts
+      if (j > map%table%pairs(arc%step) .and. j <= map%osc%pairs) cycle
+      touching = curve_over(map%table%touching(:, j, :, law), map%table%width(arc%step))
+      do l = 1, map%speeds
+        if (.not. arc%alike(l)) cycle
+        associate (from => arc%from(l), to => arc%to(l), sense => state%contacts(j)%sense(l))
+          call evaluate_quintic(touching, from, touch(1), turn(1))
+          call evaluate_quintic(touching, to, touch(2), turn(2))
+          overlap = sense*(x(l, :) - touch)
+          ! Rounding must not decide on which side of zero a contact is that has just changed.
+          if (j == motions%changed(l)) overlap(1) = 0
+          slope = sense*(to - from)*(v(l, :)/arc%width(l) - turn)
+          if (.not. may_cross_zero(overlap(1), overlap(2), slope(1), slope(2))) cycle
+          if (motions%contact(l) > 0 .or. overlap(2) >= 0) then
+            call place_first(map, arc, l, law, [j, motions%contact(l)], state, motions)
+          else
+            motions%contact(l) = j
+            motions%place(l) = from + (to - from)*max(0.0_dp, overlap(1))/(max(0.0_dp, overlap(1)) - overlap(2))
+          end if
+        end associate
+      end do
+    end do
+  end subroutine find_next
+
+  !> Finds which of some contacts changes first in a motion, and where, by the overlaps at both ends of the arc.
+  pure subroutine place_first(map, arc, l, law, contacts, state, motions)
+    type(period_map_t), intent(in) :: map
+    type(arc_t), intent(in) :: arc
+    integer, intent(in) :: l, law
+    integer, intent(in) :: contacts(:)           !< 0: none
+    type(integrator_t), intent(in) :: state
+    type(motions_t), intent(inout) :: motions
+    real(dp) :: overlap(0:2, 2), part
+    logical :: found
+    integer :: i
+
+    motions%contact(l) = 0
+    motions%place(l) = arc%to(l)
+    do i = 1, size(contacts)
+      if (contacts(i) == 0) cycle
+      overlap = state%contacts(contacts(i))%sense(l)*(motion_in(arc, l) - in_part(map%table%touching(:, contacts(i), :, law), &
+                map%table%width(arc%step), [arc%from(l), arc%to(l)]))
+      if (contacts(i) == motions%changed(l)) overlap(0, 1) = 0
+      call first_zero(quintic(overlap(:, 1), overlap(:, 2)), part, found)
+      part = arc%from(l) + part*(arc%to(l) - arc%from(l))
+      if (.not. found .or. (motions%contact(l) > 0 .and. part >= motions%place(l))) cycle
+      motions%contact(l) = contacts(i)
+      motions%place(l) = part
+    end do
+  end subroutine place_first
+
+  !> Changes the contacts at the next events of an arc's motions.
+  pure subroutine change(map, arc, which, motions, state, period, trace)
+    type(period_map_t), intent(inout) :: map
+    type(arc_t), intent(in) :: arc
+    integer, intent(in) :: which                 !< index of its polynomials
+    type(motions_t), intent(inout) :: motions
     type(integrator_t), intent(inout) :: state
+    type(period_t), intent(inout) :: period(:)
+    type(trace_t), intent(inout), optional :: trace
+    type(arc_t) :: closing
+    logical :: alike(batch_size)
+    real(dp) :: part
     integer :: l
 
-    associate (c => state%sub_steps)
-      call enter_step(map, step, c)
-      c%event%active = .false.
-      c%event%found = .false.
+    alike = arc%alike .and. motions%contact > 0
+    do l = 1, merge(0, map%speeds, motions%extrapolates)
+      part = longest_part(map, arc%step, l)
+      if (.not. alike(l) .or. motions%found(l) .or. part >= motions%width(l)) cycle
+      ! The step is repeated in parts.
+      motions%found(l) = .true.
+      motions%v(l) = motions%v(l)*part
+      motions%derivative(l, 2::2) = motions%derivative(l, 2::2)*part
+      motions%width(l) = part
+      alike(l) = .false.
+    end do
+    closing = arc
+    do l = 1, map%speeds
+      if (.not. alike(l)) cycle
+      closing%alike = alike .and. motions%contact == motions%contact(l)
+      alike = alike .and. .not. closing%alike
+      call find_places(map, closing, motions%contact(l), state, motions)
+      closing%to = motions%place
+      call cross(map, closing, motions%contact(l), which, motions, state, period)
+      call keep_loads(map, closing, state, trace)
+    end do
+  end subroutine change
+
+  !> Finds the places of events on the motions' polynomials by Newton's method within brackets, from estimates.
+  pure subroutine find_places(map, arc, contact, state, motions)
+    type(period_map_t), intent(inout) :: map
+    type(arc_t), intent(in) :: arc
+    integer, intent(in) :: contact
+    type(integrator_t), intent(in) :: state
+    type(motions_t), intent(inout) :: motions
+    ! `tight`: the next correction would be its square. `beyond`: at the event itself the side is undefined.
+    real(dp), parameter :: tight = 1e-8_dp, beyond = 1e-13_dp
+    integer, parameter :: most_iterations = 60
+    real(dp) :: touching(0:5), overlap, slope, place, longest, touch, turn
+    real(dp), dimension(batch_size) :: x, v, low, high
+    integer :: iteration, l, law
+
+    call need_law(map%osc, arc%step, arc%contact_set, map%table, law)
+    touching = curve_over(map%table%touching(:, contact, :, law), map%table%width(arc%step))
+    low = arc%from
+    high = arc%to
+    do iteration = 1, most_iterations
+      call evaluate(map%speeds, arc%c, (motions%place - arc%left)/arc%width, x, v)
+      longest = 0
       do l = 1, map%speeds
-        if (.not. state%changes(l)) cycle
-        c%event(l) = event_t(active=.true.)
-        call need_curves(map, l, state%contact_set(l), c)
-      end do
-      c%left = 0
-      c%width = 1
-      c%x(:, 1) = state%x(:, state%from)
-      c%y(:, 1) = state%y(:, state%from)
-      c%x(:, 2) = state%x(:, state%to)
-      c%y(:, 2) = state%y(:, state%to)
-      call sum_contacts(map%speeds, 1, c)
-      call sum_contacts(map%speeds, last, c)
-    end associate
-  end subroutine begin_step
-
-  !> Searches for the first event in the sub-step of motion l: brackets it, or accepts the sub-step.
-  pure subroutine detect(map, l, state, period, trace)
-    type(period_map_t), intent(inout) :: map
-    integer, intent(in) :: l
-    type(integrator_t), intent(inout) :: state
-    type(period_t), intent(inout) :: period
-    type(trace_t), intent(inout), optional :: trace
-    real(dp) :: part
-    logical :: through
-    integer :: which
-
-    call find_event(map, l, state, part, which)
-    associate (c => state%sub_steps, event => state%sub_steps%event(l))
-      if (event%jumps) call jump(map, l, c)
-      if (.not. event%found) then
-        event%active = which > 0
-        event%found = event%active
-        if (.not. event%found) return
-        c%width(l) = c%longest(l)
-        if (c%width(l) < 1) return
-      end if
-      if (which > 0) then
-        period%failed = event%events == most_events .or. &
-                        period%events > most_extra + map%osc%contacts*map%osc%highest_frequency*map%duration(l)* &
-                                        map%osc%mesh%deviations%periods
-        event%active = .not. period%failed
-        event%contact = which
-        event%trials = 0
-        event%length = c%width(l)
-        event%part = max(part, tolerance)
-        event%low = 0
-        event%high = 1
-        c%width(l) = event%part*event%length
-      else
-        through = c%width(l) >= 1 - c%left(l)
-        call accept(map, l, state, trace)
-        event%active = .not. through
-      end if
-    end associate
-  end subroutine detect
-
-  !> Adds to the propagator the jump of the damping at an event, by the derivative of the event's time (saltation).
-  pure subroutine jump(map, l, c)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l
-    type(sub_steps_t), intent(inout) :: c
-    real(dp) :: change
-
-    associate (event => c%event(l))
-      change = damping(map%osc, map%duration(l))*(sqrt(c%omega_squared(l, 1)) - sqrt(event%before))
-      event%propagator(2::2) = event%propagator(2::2) - change*event%ratio*event%propagator(1::2)
-      event%jumps = .false.
-    end associate
-  end subroutine jump
-
-  !> Finds the first event in the sub-step of motion l: its place as a fraction of the sub-step, and the contact (0: no event).
-  pure subroutine find_event(map, l, state, part, which)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l
-    type(integrator_t), intent(inout) :: state
-    real(dp), intent(out) :: part
-    integer, intent(out) :: which
-    real(dp), dimension(0:2, 2) :: motion, overlap
-    real(dp) :: range(2), zero
-    logical :: found
-    integer :: j
-
-    part = 1
-    which = 0
-    associate (c => state%sub_steps, osc => map%osc, curves => state%sub_steps%curves(state%sub_steps%curve(l)))
-      if (.not. c%width(l) > 0) return
-      motion = motion_over_sub_step(map, l, c)
-      range = range_of_motion(map, l, c)
-      do j = 1, osc%contacts
-        if (j > curves%pairs .and. j <= osc%pairs) cycle
-        associate (sense => state%contacts(j)%sense(l))
-          ! Most contacts are far from a change.
-          if (sense > 0 .and. range(1) > curves%touching_bounds(2, j)) cycle
-          if (sense < 0 .and. range(2) < curves%touching_bounds(1, j)) cycle
-          overlap = sense*(motion - derivatives(curves%touching(:, j), c%left(l) + [0.0_dp, c%width(l)]))
-          if (.not. may_cross_zero(overlap(0, 1), overlap(0, 2), overlap(1, 1), overlap(1, 2))) cycle
+        if (.not. arc%alike(l)) cycle
+        place = motions%place(l)
+        associate (sense => state%contacts(contact)%sense(l))
+          call evaluate_quintic(touching, place, touch, turn)
+          overlap = sense*(x(l) - touch)
+          slope = sense*(v(l)/arc%width(l) - turn)
         end associate
-        call first_zero(quintic(overlap(:, 1), overlap(:, 2)), zero, found)
-        if (.not. found .or. zero >= part) cycle
-        part = zero
-        which = j
+        if (overlap >= 0) then
+          low(l) = place
+        else
+          high(l) = place
+        end if
+        if (slope < 0) place = place - overlap/slope
+        if (.not. (slope < 0 .and. place >= low(l) .and. place <= high(l))) place = (low(l) + high(l))/2
+        longest = max(longest, abs(place - motions%place(l)))
+        motions%place(l) = place
+      end do
+      if (.not. longest > tight) exit
+    end do
+    where (arc%alike) motions%place = min(motions%place + beyond, arc%to)
+  end subroutine find_places
+
+  !> Opens or closes a contact at the places found: finds the motions' states there, and those from which they continue.
+  pure subroutine cross(map, arc, contact, which, motions, state, period)
+    type(period_map_t), intent(inout) :: map
+    type(arc_t), intent(in) :: arc
+    integer, intent(in) :: contact
+    integer, intent(in) :: which                 !< index of the arc's polynomials
+    type(motions_t), intent(inout) :: motions
+    type(integrator_t), intent(inout) :: state
+    type(period_t), intent(inout) :: period(:)
+    real(dp), dimension(batch_size) :: u, x, v, x1, v1, x2, v2, f, g
+    real(dp) :: of_event(4), touching(0:5), k1(0:5), k2(0:5), approach, turn, det
+    integer :: before, behind, i, l, law, contact_set
+
+    contact_set = ieor(arc%contact_set, ibset(0, contact - 1))
+    associate (n => map%speeds, step => arc%step, table => map%table, p => motions%derivative)
+      call need_law(map%osc, step, arc%contact_set, map%table, law)
+      touching = curve_over(table%touching(:, contact, :, law), table%width(step))
+      k1 = curve_over(table%end_omega_squared(:, :, law), table%width(step))
+      call need_law(map%osc, step, contact_set, map%table, law)
+      k2 = curve_over(table%end_omega_squared(:, :, law), table%width(step))
+      before = which
+      ! Another contact's change may have replaced them.
+      if (motions%extrapolates) call need_dense_step(map, step, arc%contact_set, before)
+      u = (arc%to - arc%left)/arc%width
+      call evaluate(n, arc%c, u, x, v)
+      call evaluate(n, map%dense(before)%c(:, :, by_place), u, x1, v1)
+      call evaluate(n, map%dense(before)%c(:, :, by_speed), u, x2, v2)
+      do l = 1, n
+        if (.not. arc%alike(l)) cycle
+        associate (place => arc%to(l), width => arc%width(l))
+          approach = v(l)/width - derivative_of(touching, place)
+          of_event = [x1(l)*p(l, 1) + x2(l)*p(l, 2), (v1(l)*p(l, 1) + v2(l)*p(l, 2))/width, &
+                      x1(l)*p(l, 3) + x2(l)*p(l, 4), (v1(l)*p(l, 3) + v2(l)*p(l, 4))/width]
+          ! Only damping jumps with the contact; it enters by the derivative of the event's place (saltation).
+          if (abs(approach) > 0) then
+            turn = damping(map%osc, map%duration(l)*table%width(step))*(sqrt(max(0.0_dp, value_of(k2, place))) - &
+                                                                        sqrt(max(0.0_dp, value_of(k1, place))))
+            of_event(2::2) = of_event(2::2) - turn*v(l)/(width*approach)*of_event(1::2)
+          end if
+          p(l, :) = of_event
+          v(l) = v(l)/width
+          call set_contact(map%osc, l, contact, .not. in_contact(arc%contact_set, contact), state%contact_set(l), &
+                           state%contacts(contact))
+          call record_contact(map%osc, contact_set, table%full(step), table%between(step), period(l))
+          motions%found(l) = .true.
+          motions%changed(l) = contact
+          motions%events(l) = motions%events(l) + 1
+          motions%from(l) = place
+          period(l)%events = period(l)%events + 1
+          period(l)%work = period(l)%work + cost
+          period(l)%failed = period(l)%failed .or. chatters(map, l, motions, period(l)) .or. &
+                             excites(map, step, l, abs(approach), place)
+          motions%active(l) = .not. period(l)%failed
+          if (motions%extrapolates) cycle
+          motions%left(l) = place
+          motions%width(l) = max(tiny(place), min(1 - place, longest_part(map, step, l)))
+          motions%x(l) = x(l)
+          motions%v(l) = v(l)*motions%width(l)
+          p(l, 2::2) = p(l, 2::2)*motions%width(l)
+        end associate
+      end do
+      if (.not. motions%extrapolates) return
+      call need_dense_step(map, step, contact_set, behind)
+      call evaluate(n, map%dense(behind)%c(:, :, by_place), u, x1, v1)
+      call evaluate(n, map%dense(behind)%c(:, :, by_speed), u, x2, v2)
+      call evaluate(n, map%dense(behind)%c(:, :, by_force), u, f, g)
+      do l = 1, n
+        if (.not. arc%alike(l)) cycle
+        det = x1(l)*v2(l) - x2(l)*v1(l)
+        motions%x(l) = (v2(l)*(x(l) - f(l)) - x2(l)*(v(l) - g(l)))/det
+        motions%v(l) = (x1(l)*(v(l) - g(l)) - v1(l)*(x(l) - f(l)))/det
+        do i = 1, 3, 2
+          p(l, i:i + 1) = [v2(l)*p(l, i) - x2(l)*p(l, i + 1), x1(l)*p(l, i + 1) - v1(l)*p(l, i)]/det
+        end do
       end do
     end associate
-  end subroutine find_event
+  end subroutine cross
 
-  !> Brackets an event near the end of the sub-step of motion l: accepts the sub-step if the overlap has just changed its sign,
-  !> else moves the sub-step's end.
-  pure subroutine bracket(map, l, state, period, trace)
+  !> Computes value and first derivative of a quintic.
+  pure subroutine evaluate_quintic(c, place, f, slope)
+    real(dp), intent(in) :: c(0:5), place
+    real(dp), intent(out) :: f, slope
+
+    f = ((((c(5)*place + c(4))*place + c(3))*place + c(2))*place + c(1))*place + c(0)
+    slope = (((5*c(5)*place + 4*c(4))*place + 3*c(3))*place + 2*c(2))*place + c(1)
+  end subroutine evaluate_quintic
+
+  !> Ends arcs without an event: at the end of the step, or of a part of it.
+  pure subroutine finish(map, arc, which, motions, state, propagator, trace)
     type(period_map_t), intent(inout) :: map
-    integer, intent(in) :: l
+    type(arc_t), intent(in) :: arc
+    integer, intent(in) :: which                 !< index of its polynomials
+    type(motions_t), intent(inout) :: motions
     type(integrator_t), intent(inout) :: state
-    type(period_t), intent(inout) :: period
+    real(dp), intent(inout) :: propagator(batch_size, 6)
     type(trace_t), intent(inout), optional :: trace
-    ! An event closer than this fraction of the length is reached by a Taylor series instead of another sub-step; the error of the
-    ! series grows with the square of the distance.
-    real(dp), parameter :: close = 1e-5_dp
-    integer, parameter :: most_trials = 50
-    real(dp) :: touching, touching_slope, overlap, slope, miss
+    type(arc_t) :: closing
+    real(dp) :: x, v, next
+    integer :: i, l
 
-    associate (c => state%sub_steps, event => state%sub_steps%event(l))
-      associate (sense => state%contacts(event%contact)%sense(l))
-        call evaluate(c%curves(c%curve(l))%touching(:, event%contact), c%left(l) + c%width(l), touching, touching_slope)
-        overlap = sense*(c%x(l, 2) - touching)
-        slope = sense*event%length*(map%table%width(c%step)*c%y(l, 2) - touching_slope)
-      end associate
-      miss = huge(miss)
-      if (slope < 0) miss = tolerance - overlap/slope
-      if (abs(miss) <= close) then
-        call move_end(map, l, min(miss, 1 - event%part)*event%length, c)
-      else
-        if (overlap > 0) then
-          event%low = event%part
-        else
-          event%high = event%part
-        end if
-        event%trials = event%trials + 1
-        if (event%high - event%low > tolerance .and. event%trials < most_trials) then
-          event%part = event%part + miss
-          if (.not. (event%part > event%low .and. event%part < event%high)) event%part = (event%low + event%high)/2
-          c%width(l) = event%part*event%length
-          return
-        end if
+    closing = arc
+    closing%alike = arc%alike .and. motions%contact == 0 .and. motions%found
+    if (any(closing%alike)) call keep_loads(map, closing, state, trace)
+    do l = 1, map%speeds
+      if (.not. arc%alike(l) .or. motions%contact(l) > 0) cycle
+      if (.not. motions%found(l)) then
+        motions%active(l) = .false.
+        cycle
       end if
-    end associate
-    call accept(map, l, state, trace)
-    call change_contact(map, l, state, period)
-  end subroutine bracket
-
-  !> Opens or closes the contact at the event that motion l has reached.
-  pure subroutine change_contact(map, l, state, period)
-    type(period_map_t), intent(inout) :: map
-    integer, intent(in) :: l
-    type(integrator_t), intent(inout) :: state
-    type(period_t), intent(inout) :: period
-    real(dp) :: approach
-
-    associate (c => state%sub_steps, event => state%sub_steps%event(l))
-      associate (j => event%contact)
-        approach = c%y(l, 1) - derivative_of(c%curves(c%curve(l))%touching(:, j), c%left(l))/map%table%width(c%step)
-        event%jumps = abs(approach) > 0
-        if (event%jumps) event%ratio = c%y(l, 1)/approach
-        event%before = c%omega_squared(l, last)
-        call set_contact(map%osc, l, j, .not. in_contact(state%contact_set(l), j), state%contact_set(l), state%contacts(j))
-        call need_curves(map, l, state%contact_set(l), c)
-        call record_contact(map%osc, state%contact_set(l), map%table%full(c%step), map%table%between(c%step), period)
-        event%events = event%events + 1
+      associate (q => map%dense(which)%propagator(l, :), p => motions%derivative(l, :), width => motions%width(l))
+        x = q(1)*motions%x(l) + q(3)*motions%v(l) + q(5)
+        v = (q(2)*motions%x(l) + q(4)*motions%v(l) + q(6))/width
+        do i = 1, 3, 2
+          p(i:i + 1) = [q(1)*p(i) + q(3)*p(i + 1), (q(2)*p(i) + q(4)*p(i + 1))/width]
+        end do
+        motions%left(l) = motions%left(l) + width
+        if (motions%left(l) >= 1) then
+          motions%active(l) = .false.
+          state%x(l, state%to) = x
+          state%y(l, state%to) = v/map%table%width(arc%step)
+          propagator(l, :4) = p
+          propagator(l, 2:4:2) = p(2:4:2)/map%table%width(arc%step)
+        else
+          next = min(1 - motions%left(l), longest_part(map, arc%step, l))
+          motions%changed(l) = 0
+          motions%from(l) = motions%left(l)
+          motions%x(l) = x
+          motions%v(l) = v*next
+          p(2:4:2) = p(2:4:2)*next
+          width = next
+        end if
       end associate
-      period%failed = period%failed .or. excites(map, l, abs(approach), c)
-      event%contact = 0
-    end associate
-    period%events = period%events + 1
-    period%work = period%work + cost
-  end subroutine change_contact
+    end do
+  end subroutine finish
 
-  !> True if a change of contact excites a natural motion that the remainder of the step is too long to follow.
-  pure logical function excites(map, l, approach, c)
+  !> Keeps what is wanted of the loads over arcs with their ends.
+  pure subroutine keep_loads(map, arc, state, trace)
+    type(period_map_t), intent(inout) :: map
+    type(arc_t), intent(in) :: arc
+    type(integrator_t), intent(inout) :: state
+    type(trace_t), intent(inout), optional :: trace
+    integer :: l
+
+    if (state%peaks) then
+      call note_arc(map, arc, state)
+      if (touches_coast(map%osc, arc%contact_set)) then
+        do l = 1, map%speeds
+          if (arc%alike(l)) call raise_coast(map, arc%step, arc%contact_set, [arc%from(l), arc%to(l)], motion_in(arc, l), &
+                                             state%coast_peak(l))
+        end do
+      end if
+    end if
+    if (.not. present(trace)) return
+    if (arc%alike(1)) call record_part(map, arc%step, arc%contact_set, [arc%from(1), arc%to(1)], motion_in(arc, 1), trace)
+  end subroutine keep_loads
+
+  !> True if contact changes too often in a step or a period.
+  pure logical function chatters(map, l, motions, period)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: l
-    real(dp), intent(in) :: approach             ! relative speed of the flanks that meet or part, m over the phase
-    type(sub_steps_t), intent(in) :: c
+    type(motions_t), intent(in) :: motions
+    type(period_t), intent(in) :: period
+
+    chatters = motions%events(l) > most_events .or. &
+               period%events > most_extra + map%osc%contacts*map%osc%highest_frequency*map%duration(l)* &
+                               map%osc%mesh%deviations%periods
+  end function chatters
+
+  !> True if a change of contact excites a natural motion that the remainder of a stiff step is too long to follow.
+  pure logical function excites(map, step, l, approach, place)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step, l
+    real(dp), intent(in) :: approach             ! relative speed of the flanks that meet or part, m over the step
+    real(dp), intent(in) :: place
     ! `negligible`: amplitude of the natural motion (static deflections) that may be neglected. `near`: angle of the natural motion
     ! (rad) by which damping advances the closing and opening of pairs.
     real(dp), parameter :: negligible = 1e-7_dp, near = 4
 
-    excites = map%table%kind(c%step)%stiff
-    if (excites) excites = approach > negligible*map%osc%static_deflection*map%osc%natural_frequency*map%duration(l) .and. &
-                           (1 - c%left(l))*map%table%width(c%step)*resolving_steps(map%osc, map%duration(l)) > near
+    associate (width => map%table%width(step))
+      excites = map%table%kind(step)%stiff
+      if (excites) excites = approach > negligible*map%osc%static_deflection*map%osc%natural_frequency*map%duration(l)*width .and. &
+                             (1 - place)*width*resolving_steps(map%osc, map%duration(l)) > near
+    end associate
   end function excites
-
-  !> Moves motion l to the end of its sub-step, and begins the next one.
-  pure subroutine accept(map, l, state, trace)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l
-    type(integrator_t), intent(inout) :: state
-    type(trace_t), intent(inout), optional :: trace
-
-    if (state%peaks) then
-      call raise_over_sub_step(map, l, state%sub_steps, state%peak(l))
-      call raise_coast_over_sub_step(map, l, state%sub_steps, state%contact_set(l), state%coast_peak(l))
-    end if
-    if (present(trace)) call record_sub_step(map, l, state%contact_set(l), state%sub_steps, trace)
-    associate (c => state%sub_steps)
-      c%event(l)%propagator = composed(c%propagator(l, :4), c%event(l)%propagator)
-      c%x(l, 1) = c%x(l, 2)
-      c%y(l, 1) = c%y(l, 2)
-      c%left(l) = c%left(l) + c%width(l)
-      c%width(l) = max(0.0_dp, min(1 - c%left(l), c%longest(l)))
-    end associate
-  end subroutine accept
-
-  !> Raises the largest load of motion l by those over its sub-step.
-  pure subroutine raise_over_sub_step(map, l, c, peak)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l
-    type(sub_steps_t), intent(in) :: c
-    real(dp), intent(inout) :: peak
-    real(dp) :: range(2)
-
-    range = range_of_motion(map, l, c)
-    associate (curves => c%curves(c%curve(l)))
-      if (may_have_more(curves, range(2), peak)) &
-        call raise_peak(curves, c%left(l) + [0.0_dp, c%width(l)], motion_over_sub_step(map, l, c), peak)
-    end associate
-  end subroutine raise_over_sub_step
-
-  !> Product of the propagator of a sub-step and that of the time before it; columns one after the other.
-  pure function composed(propagator, before) result(c)
-    real(dp), intent(in) :: propagator(:), before(4)
-    real(dp) :: c(4)
-
-    c(1) = propagator(1)*before(1) + propagator(3)*before(2)
-    c(2) = propagator(2)*before(1) + propagator(4)*before(2)
-    c(3) = propagator(1)*before(3) + propagator(3)*before(4)
-    c(4) = propagator(2)*before(3) + propagator(4)*before(4)
-  end function composed
-
-  pure subroutine record_sub_step(map, l, contact_set, c, trace)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l, contact_set
-    type(sub_steps_t), intent(in) :: c
-    type(trace_t), intent(inout) :: trace
-    real(dp) :: x(0:2, 2), load(0:2, map%osc%contacts, 2)
-
-    call loads_over_sub_step(map, l, c, contact_set, x, load)
-    associate (table => map%table, i => c%step)
-      associate (interval => map%osc%intervals(table%interval(i)))
-        call record(trace, table%pairs(i), spread(interval%offset - interval%period, 1, 2), &
-                    interval%period + (table%left(i) + table%width(i)*(c%left(l) + [0.0_dp, c%width(l)])), &
-                    spread(contact_set, 1, 2), x, load)
-      end associate
-    end associate
-    if (allocated(trace%overlaps)) call watch_sub_step(map, l, c, trace%overlaps)
-  end subroutine record_sub_step
 end module gearsweep_motion_contact_events

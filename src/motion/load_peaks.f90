@@ -3,14 +3,14 @@
 !> Most maxima within steps are too low to matter. So the steps only note candidates with an upper bound, and at the end the
 !> maxima are computed whose bound is still above the largest load found.
 module gearsweep_motion_load_peaks
-  use gearsweep_base, only: dp, maximum_of, quintic, value_of
+  use gearsweep_base, only: dp, maximum_of, over_part, quintic, value_of
   use gearsweep_motion_coefficients, only: coefficients_t, need_law
-  use gearsweep_motion_contact_law, only: find_law_of_pair
+  use gearsweep_motion_contact_law, only: find_law_of_pair, product_of
   use gearsweep_motion_oscillator, only: acceleration, oscillator_t
   implicit none
   private
   public :: candidate_t, candidates_t, add_candidate, evaluate_candidates, may_exceed, raise_to_maximum, cubic_curvature, &
-            motion_over_step, load_over_step
+            motion_over_step, load_over, in_part, curve_over, turns_too_far
 
   !> Step within which the load of a pair has a maximum.
   type :: candidate_t
@@ -84,7 +84,7 @@ contains
       state(1, :) = candidate%x
       state(2, :) = candidate%y
       call motion_over_step(osc, table, step, law, duration, state, x)
-      call load_over_step(table, step, law, j, x, load)
+      call load_over(table, step, law, j, [0.0_dp, 1.0_dp], x, load)
       if (may_exceed(load, peak)) peak = max(peak, largest_within(osc, table, step, law, j, x, load))
     end associate
   end subroutine refine_maximum
@@ -100,10 +100,11 @@ contains
     real(dp), intent(out) :: motion(0:2, 2)
     integer :: end
 
-    associate (width => table%width(step))
+    associate (width => table%width(step), p => table%pairs(step))
       motion(0, :) = state(1, :)
       motion(1, :) = width*state(2, :)
-      if (turns_too_far(table, step, duration)) then
+      if (turns_too_far(duration*width*sqrt(maxval(sum(table%end_stiffness(0, :p, :, step)*table%end_mobility(:p, :, step), &
+                                                        1))))) then
         motion(2, :) = cubic_curvature(state(1, :), width*state(2, :))
       else
         do end = 1, 2
@@ -114,27 +115,49 @@ contains
     end associate
   end subroutine motion_over_step
 
-  !> Computes the load of a contact at both ends of a step with its derivatives over it, N; (derivative, end). The load of the
-  !> coast sides is negative.
-  pure subroutine load_over_step(table, step, law, j, motion, load)
+  !> Computes the load of a contact at both ends of a part of a step with its derivatives over the part, N; (derivative, end). The
+  !> load of the coast sides is negative.
+  pure subroutine load_over(table, step, law, j, places, motion, load)
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step
     integer, intent(in) :: law                     !< index of the law of its contact set
     integer, intent(in) :: j                       !< index of the contact
-    real(dp), intent(in) :: motion(0:2, 2)         !< result of `motion_over_step`
+    real(dp), intent(in) :: places(2)              !< start and end of the part, 0 to 1 over the step
+    real(dp), intent(in) :: motion(0:2, 2)         !< deflection there with its derivatives over the part, m; (derivative, end)
     real(dp), intent(out) :: load(0:2, 2)
-    real(dp) :: gap(0:2)
+    real(dp), dimension(0:2, 2) :: effective, gap
     integer :: end
 
+    effective = in_part(table%effective(:, j, :, law), table%width(step), places)
+    gap = motion - in_part(table%touching(:, j, :, law), table%width(step), places)
     do end = 1, 2
-      associate (g => table%effective(:, j, end, law), t => table%touching(:, j, end, law), width => table%width(step))
-        gap = motion(:, end) - t*[1.0_dp, width, width**2]
-        load(0, end) = g(1)*gap(0)
-        load(1, end) = width*g(2)*gap(0) + g(1)*gap(1)
-        load(2, end) = width**2*g(3)*gap(0) + 2*width*g(2)*gap(1) + g(1)*gap(2)
-      end associate
+      load(:, end) = product_of(effective(:, end), gap(:, end))
     end do
-  end subroutine load_over_step
+  end subroutine load_over
+
+  !> Value of the table at both ends of a part of a step with its derivatives over the part; (derivative, end).
+  pure function in_part(values, width, places) result(f)
+    real(dp), intent(in) :: values(0:, :)          !< as of `curve_over`
+    real(dp), intent(in) :: width                  !< width of the step
+    real(dp), intent(in) :: places(2)              !< as in `load_over`
+    real(dp) :: f(0:2, 2)
+
+    if (places(1) > 0 .or. places(2) < 1) then
+      f = over_part(curve_over(values, width), places)
+    else
+      f = values*spread([1.0_dp, width, width**2], 2, 2)
+    end if
+  end function in_part
+
+  !> Quintic through the values of the table at both ends of a step, over places from 0 to 1.
+  pure function curve_over(values, width) result(c)
+    real(dp), intent(in) :: values(0:, :)          !< with derivatives over the mesh phase; (derivative, end)
+    real(dp), intent(in) :: width                  !< width of the step
+    real(dp) :: c(0:5)
+
+    c = quintic([values(0, 1), width*values(1, 1), width**2*values(2, 1)], &
+                [values(0, 2), width*values(1, 2), width**2*values(2, 2)])
+  end function curve_over
 
   !> Load (N) of a pair in contact at its maximum within a step, from the motion and the properties of all pairs at that place:
   !> a stiffness with several knots in the step is not one polynomial.
@@ -145,7 +168,7 @@ contains
     integer, intent(in) :: law                     !< index of the law of its contact set
     integer, intent(in) :: pair
     real(dp), intent(in) :: motion(0:2, 2)         !< result of `motion_over_step`
-    real(dp), intent(in) :: load(0:2, 2)           !< result of `load_over_step`
+    real(dp), intent(in) :: load(0:2, 2)           !< result of `load_over`
     real(dp) :: place, effective, touching
 
     place = maximum_of(quintic(load(:, 1), load(:, 2)))
@@ -154,17 +177,12 @@ contains
     largest = effective*(value_of(quintic(motion(:, 1), motion(:, 2)), place) - touching)
   end function largest_within
 
-  !> True in steps of more rad of the natural motion, where the acceleration is a small difference of large forces.
-  pure logical function turns_too_far(table, step, duration)
-    type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step
-    real(dp), intent(in) :: duration               !< duration of the mesh period, s
+  !> True for steps of so many rad of the natural motion that the acceleration is a small difference of large forces.
+  pure logical function turns_too_far(angle)
+    real(dp), intent(in) :: angle                  !< angle of the natural motion in the step, rad
     real(dp), parameter :: most = 3e3_dp
 
-    associate (p => table%pairs(step))
-      turns_too_far = .not. duration*table%width(step)* &
-                      sqrt(maxval(sum(table%end_stiffness(0, :p, :, step)*table%end_mobility(:p, :, step), 1))) < most
-    end associate
+    turns_too_far = .not. angle < most
   end function turns_too_far
 
   !> True if a load may exceed `peak` between two places: a concave one stays below its tangents.

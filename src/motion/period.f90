@@ -5,24 +5,27 @@
 !> is that of all mesh periods after which the deviations repeat.
 module gearsweep_motion_period
   use gearsweep_base, only: dp
-  use gearsweep_motion_coefficients, only: coefficients_t, contact_sets_at_begin
-  use gearsweep_motion_contact_events, only: loads_over_step, locate_events, raise_coast_over_step, watch_step
+  use gearsweep_motion_coefficients, only: coefficients_t, contact_sets_at_begin, need_law
+  use gearsweep_motion_contact_events, only: locate_events
   use gearsweep_motion_contact_set, only: dte_batch_t, dte_of, dte_t, keep_derivative, period_t, record_contact, set_contacts
-  use gearsweep_motion_single_event, only: cross_events, has_simple_steps
+  use gearsweep_motion_dense_step, only: is_smooth
   use gearsweep_motion_gauss, only: batch_size
-  use gearsweep_motion_integrator, only: integrator_t, raise_peaks, watch_dte
+  use gearsweep_motion_integrator, only: integrator_t, raise_by_arcs, raise_coast, record_part, watch_dte
   use gearsweep_motion_literature, only: run_literature_period
-  use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, evaluate_candidates
+  use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, evaluate_candidates, motion_over_step
   use gearsweep_motion_oscillator, only: touches_coast
   use gearsweep_motion_period_map, only: compose, enter, flush_to_zero, is_cut, leave_full_contact, need_laws, need_propagator, &
     period_map_t, take_step
-  use gearsweep_motion_trace, only: record, trace_t
+  use gearsweep_motion_trace, only: trace_t
   implicit none
   private
   public :: run_full_contact, run_period, run_batch
 
   !> Deflection above all profile errors (m): added to a motion, it keeps all pairs in contact.
   real(dp), parameter :: far = 1e30_dp
+
+  !> Start and end of a whole step.
+  real(dp), parameter :: whole(2) = [0, 1]
 
 contains
 
@@ -119,7 +122,6 @@ contains
     integer :: i, k, l
 
     call begin(map, start, active, peaks, state)
-    state%crosses = has_simple_steps(map)
     do k = 0, map%osc%mesh%deviations%periods - 1
       call enter(map, k)
       do i = 1, map%table%steps
@@ -140,12 +142,8 @@ contains
       do l = 1, map%speeds
         call evaluate_candidates(map%osc, map%table, map%duration(l), state%candidates(l), state%peak(l))
       end do
-      do i = 1, state%noted
-        call raise_peaks(map, state%change(i), state%peak)
-      end do
-      state%noted = 0
+      call raise_by_arcs(map, state)
     end do
-    if (allocated(state%sub_steps)) call move_alloc(state%sub_steps, map%sub_steps)
     if (state%all_full) state%monodromy = map%monodromy
     if (state%all_full) state%shrunk = map%shrunk
     do l = 1, map%speeds
@@ -180,7 +178,7 @@ contains
     state%dte = dte_batch_t()
     state%single_dte = dte_t()
     state%candidates%count = 0
-    state%noted = 0
+    state%arcs = 0
   end subroutine begin
 
   !> Finds the contact sets at the start of a smooth interval.
@@ -239,7 +237,6 @@ contains
     type(period_t), intent(inout) :: period(batch_size)
     type(trace_t), intent(inout), optional :: trace
     real(dp) :: propagator(batch_size, 6)
-    logical :: crossed(batch_size)
     integer :: place
 
     if (state%all_full .and. .not. state%full_contact) call leave(map, step, state)
@@ -248,7 +245,7 @@ contains
     call take_step(map%propagator(:, :, place), state%x(:, state%from), state%y(:, state%from), state%x(:, state%to), &
                    state%y(:, state%to))
     state%changes = .false.
-    if (state%crosses .and. .not. state%peaks) then
+    if (map%speeds == batch_size .and. map%osc%mesh%reaches_beyond() .and. is_smooth(map, step) .and. .not. state%peaks) then
       call find_changes_at_end(map, step, state)
     else if (.not. (state%full_contact .and. stays_full(map%table, step, state))) then
       call find_changes(map, step, state)
@@ -256,10 +253,7 @@ contains
     if (any(state%changes)) then
       if (state%all_full) call leave(map, step, state)
       propagator = map%propagator(:, :, place)
-      crossed = .false.
-      if (state%crosses) call cross_events(map, step, state, propagator, period, crossed)
-      if (any(state%changes)) call locate_events(map, step, state, propagator, period, trace)
-      state%changes = state%changes .or. crossed
+      call locate_events(map, step, state, propagator, period, trace)
       where (period%failed) state%held = far
       state%full_contact = all(state%contact_set == map%table%full(step))
       call compose(propagator(:, :4), state%monodromy)
@@ -373,7 +367,7 @@ contains
     type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
-    real(dp) :: bound(batch_size)
+    real(dp) :: bound(batch_size), motion(0:2, 2)
     integer :: ends(2), j, l
 
     ends = [state%from, state%to]
@@ -391,7 +385,8 @@ contains
       if (.not. map%osc%has_backlash) return
       do l = 1, map%speeds
         if (state%changes(l) .or. .not. touches_coast(map%osc, state%contact_set(l))) cycle
-        call raise_coast_over_step(map, step, state%contact_set(l), map%duration(l), states_of(state, l), state%coast_peak(l))
+        call motion_over_step(map%osc, map%table, step, state%law(l), map%duration(l), states_of(state, l), motion)
+        call raise_coast(map, step, state%contact_set(l), whole, motion, state%coast_peak(l))
       end do
     end associate
   end subroutine watch_loads
@@ -426,21 +421,18 @@ contains
     end associate
   end subroutine move_load
 
+  !> Adds a step of the first motion to a trace.
   pure subroutine record_step(map, step, state, trace)
     type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(in) :: state
     type(trace_t), intent(inout) :: trace
-    real(dp) :: x(0:2, 2), load(0:2, map%osc%contacts, 2)
+    real(dp) :: motion(0:2, 2)
+    integer :: law
 
-    associate (table => map%table, contact_set => state%contact_set(1))
-      call loads_over_step(map, step, contact_set, map%duration(1), states_of(state, 1), x, load)
-      associate (interval => map%osc%intervals(table%interval(step)))
-        call record(trace, table%pairs(step), spread(interval%offset - interval%period, 1, 2), &
-                    interval%period + (table%left(step) + [0.0_dp, table%width(step)]), spread(contact_set, 1, 2), x, load)
-      end associate
-      if (allocated(trace%overlaps)) call watch_step(map, step, states_of(state, 1), contact_set, trace%overlaps)
-    end associate
+    call need_law(map%osc, step, state%contact_set(1), map%table, law)
+    call motion_over_step(map%osc, map%table, step, law, map%duration(1), states_of(state, 1), motion)
+    call record_part(map, step, state%contact_set(1), whole, motion, trace)
   end subroutine record_step
 
   !> States of motion l at both ends of the step; (x or y, end).

@@ -10,65 +10,21 @@ module gearsweep_motion_period_map
   use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
   use gearsweep_base, only: dp, wants_stop
   use gearsweep_motion_coefficients, only: coefficients_t, enter_period, forget_laws, need_law, tabulate
-  use gearsweep_motion_gauss, only: batch_size, collocate, collocate_stiffly, nodes
+  use gearsweep_motion_gauss, only: batch_size, collocate, collocate_stiffly
   use gearsweep_motion_literature, only: exact_step_t, literature_table_t, tabulate_literature
   use gearsweep_motion_oscillator, only: damping, oscillator_t, split_by_load
   use gearsweep_motion_resolution, only: resolution_t, scheme_collocation
   implicit none
   private
-  public :: dense_step_t, law_curves_t, places, last, event_t, sub_steps_t, period_map_t, discretise, set_durations, need_laws
-  public :: need_propagator, take_step, compose, flush_to_zero
+  public :: period_map_t, discretise, set_durations, need_laws, need_propagator, take_step, compose, flush_to_zero
   public :: enter, leave_full_contact, propagate_alike, is_cut
 
-  !> Step in which contact changes, before or after the change, with the motion within it (gearsweep_motion_single_event).
+  !> Step in which contact changes, before or after the change, with the motion within it (gearsweep_motion_dense_step).
   type :: dense_step_t
     integer :: step = 0, contact_set = 0
-    real(dp) :: propagator(batch_size, 6) = 0    !< as in period_map_t
+    real(dp) :: propagator(batch_size, 6) = 0    !< as in period_map_t, of x and its derivative over the step
     real(dp) :: c(batch_size, 0:7, 3) = 0        !< coefficients in ascending powers; (speed, power, by what)
   end type dense_step_t
-
-  !> Contact law over a step as quintics, over 0 to 1 in the step.
-  type :: law_curves_t
-    integer :: contact_set = -1
-    integer :: pairs = 0                         !< number of pairs of the step
-    real(dp), dimension(0:5) :: omega_squared, forcing         !< sums of k (1/s^2) and k e (m/s^2) over the contacts
-    !> Effective stiffness (N/m) and touching deflection (m), with upper bounds, or lower and upper bounds; (0:5, contact),
-    !> (contact) and (least or most, contact).
-    real(dp), allocatable :: effective(:, :), touching(:, :), most_effective(:), touching_bounds(:, :)
-  end type law_curves_t
-
-  !> Places in a sub-step with known coefficients: both ends, and the nodes of the integration between.
-  real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
-  integer, parameter :: last = size(places)
-
-  !> Search for changes of contact (events) of one speed in its step.
-  type :: event_t
-    logical :: active = .false.
-    logical :: found = .false.                   !< true: the contact changes in this step
-    integer :: contact = 0                       !< contact whose event is bracketed; 0: none detected
-    integer :: trials = 0, events = 0
-    real(dp) :: length = 1                       !< length of the sub-step in which it was detected, part of the step
-    real(dp) :: part = 1, low = 0, high = 1      !< estimate and bracket of the event, parts of this length
-    logical :: jumps = .false.                   !< true: contact has just changed
-    real(dp) :: before = 0                       !< omega^2 before the change, 1/s^2
-    real(dp) :: ratio = 0                        !< y over the speed of approach
-    real(dp) :: propagator(4) = [1, 0, 0, 1]     !< propagator of the sub-steps so far, columns one after the other
-  end type event_t
-
-  !> Sub-steps of a batch; places run from 0 to 1 over the step.
-  type :: sub_steps_t
-    integer :: step = 0
-    !> Laws of the contact sets met in the step, and the index of the law of each speed.
-    type(law_curves_t) :: curves(2*batch_size)
-    integer :: curve(batch_size) = 0
-    real(dp), dimension(batch_size) :: longest = 1                     !< longest sub-step allowed, part of the step
-    type(event_t) :: event(batch_size)
-    real(dp), dimension(batch_size) :: left = 0, width = 0             !< start and length of the sub-step
-    !> omega^2 (1/s^2) and sum of k e (m/s^2) of the contacts; (speed, place)
-    real(dp), dimension(batch_size, last) :: omega_squared = 0, forcing = 0
-    real(dp), dimension(batch_size, 2) :: x = 0, y = 0                 !< state at both ends, m
-    real(dp) :: propagator(batch_size, 6) = 0
-  end type sub_steps_t
 
   type :: period_map_t
     type(oscillator_t) :: osc
@@ -91,7 +47,6 @@ module gearsweep_motion_period_map
     real(dp) :: mesh_monodromy(batch_size, 4) = 0, mesh_shrunk(batch_size) = 0   !< the same of one mesh period
     type(dense_step_t) :: dense(8)               !< most recent ones
     integer :: denses = 0                        !< number computed so far
-    type(sub_steps_t), allocatable :: sub_steps  !< memory for changes of contact, kept from one run to the next
     type(c_ptr) :: stop = c_null_ptr             !< stop flag of gearsweep_base_memory
   end type period_map_t
   integer, parameter :: most_cached = 2048, not_made = -1
@@ -108,7 +63,6 @@ contains
     type(period_map_t), intent(inout) :: map     !< map; its memory is reused; no steps if memory is too small
 
     map%osc = osc
-    if (allocated(map%sub_steps)) deallocate (map%sub_steps)
     if (resolution%by_load) call split_by_load(map%osc)
     if (resolution%scheme == scheme_collocation) then
       if (allocated(map%literature)) deallocate (map%literature)

@@ -9,7 +9,7 @@ module test_oscillator
   use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, candidates_t, may_exceed, raise_to_maximum
   use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_motion_transient, only: growth_t
-  use gearsweep_base_quintic, only: derivative_of, evaluate, first_zero, maximum_of, may_cross_zero, place_of_largest, quintic, &
+  use gearsweep_base_quintic, only: derivative_of, first_zero, maximum_of, may_cross_zero, over_part, place_of_largest, quintic, &
             value_of
   use gearsweep_base_text, only: str
   use test_support_random_numbers, only: random_t
@@ -267,7 +267,7 @@ contains
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: h = 1e-4_dp
     type(random_t) :: random
-    real(dp) :: ends(0:2, 2), c(0:5), at, value, slope
+    real(dp) :: ends(0:2, 2), c(0:5), at
     integer :: i, k
 
     do i = 1, 5
@@ -281,9 +281,15 @@ contains
                          merge(2*c(2), sum([2, 6, 12, 20]*c(2:)), k == 1), ends(2, k), absolute=1e-12_dp)
       end do
       at = random%between(0.1_dp, 0.9_dp)
-      call evaluate(c, at, value, slope)
-      call check_close(t, 'value of '//str(i), value, sum(c*[1.0_dp, at, at**2, at**3, at**4, at**5]), absolute=1e-13_dp)
-      call check_close(t, 'slope of '//str(i), slope, (value_of(c, at + h) - value_of(c, at - h))/(2*h), absolute=1e-5_dp)
+      call check_close(t, 'value of '//str(i), value_of(c, at), sum(c*[1.0_dp, at, at**2, at**3, at**4, at**5]), absolute=1e-13_dp)
+      call check_close(t, 'slope of '//str(i), derivative_of(c, at), (value_of(c, at + h) - value_of(c, at - h))/(2*h), &
+                       absolute=1e-5_dp)
+      ! Over the part from a third of this place to it, of whose length the derivatives have the powers.
+      ends = over_part(c, [at/3, at])
+      call check_close(t, 'value at the end of a part of '//str(i), ends(0, 2), value_of(c, at), absolute=1e-13_dp)
+      call check_close(t, 'slope at the end of a part of '//str(i), ends(1, 2), 2*at/3*derivative_of(c, at), absolute=1e-12_dp)
+      call check_close(t, 'second derivative at the start of a part of '//str(i), ends(2, 1), &
+                       (2*at/3)**2*sum([2, 6, 12, 20]*c(2:)*[1.0_dp, at/3, (at/3)**2, (at/3)**3]), absolute=1e-12_dp)
     end do
   end subroutine quintics
 
