@@ -4,7 +4,7 @@
 !> uses that set's propagator over the whole step. Where damping or a long step forbids that, it continues in parts of the step,
 !> from the event on, each with a propagator of its own. Motions of a batch whose contact sets are the same share all this.
 module gearsweep_motion_contact_events
-  use gearsweep_base, only: derivative_of, dp, first_zero, may_cross_zero, quintic, value_of
+  use gearsweep_base, only: derivative_of, dp, first_zero, maximum_of, may_cross_zero, quintic, value_of
   use gearsweep_motion_coefficients, only: need_law
   use gearsweep_motion_contact_set, only: in_contact, period_t, record_contact, set_contact
   use gearsweep_motion_dense_step, only: by_force, by_place, by_speed, evaluate, is_smooth, motions_from, need_dense_part, &
@@ -33,13 +33,14 @@ module gearsweep_motion_contact_events
     logical, dimension(batch_size) :: active     !< the end of the step is not reached
     logical, dimension(batch_size) :: found      !< contact has changed
     integer, dimension(batch_size) :: events     !< number of changes
-    integer, dimension(batch_size) :: changed    !< contact that has changed at `from`; 0: none
+    integer, dimension(batch_size) :: changed    !< contacts that have changed at `from`: bit j - 1 for contact j
     real(dp), dimension(batch_size) :: from      !< place from which the contact set holds
     real(dp), dimension(batch_size) :: left, width       !< start and length of the part that the polynomial covers
     real(dp), dimension(batch_size) :: x, v      !< state at the start of the part: x and its derivative over the part, m
     real(dp) :: derivative(batch_size, 4)        !< of that by x and y at the start of the step, columns one after the other
     integer, dimension(batch_size) :: contact    !< contact that changes next; 0: none
     real(dp), dimension(batch_size) :: place     !< where it does
+    real(dp), dimension(batch_size) :: behind    !< a place behind that, where its overlap is below 0
   end type motions_t
 
 contains
@@ -134,6 +135,7 @@ contains
     call evaluate(map%speeds, arc%c, (arc%to - arc%left)/arc%width, x(:, 2), v(:, 2))
     motions%contact = 0
     motions%place = arc%to
+    motions%behind = arc%to
     do j = 1, map%osc%contacts
       if (j > map%table%pairs(arc%step) .and. j <= map%osc%pairs) cycle
       touching = curve_over(map%table%touching(:, j, :, law), map%table%width(arc%step))
@@ -144,13 +146,14 @@ contains
           call evaluate_quintic(touching, to, touch(2), turn(2))
           overlap = sense*(x(l, :) - touch)
           ! Rounding must not decide on which side of zero a contact is that has just changed.
-          if (j == motions%changed(l)) overlap(1) = 0
+          if (btest(motions%changed(l), j - 1)) overlap(1) = 0
           slope = sense*(to - from)*(v(l, :)/arc%width(l) - turn)
           if (.not. may_cross_zero(overlap(1), overlap(2), slope(1), slope(2))) cycle
-          if (motions%contact(l) > 0 .or. overlap(2) >= 0) then
+          if (motions%contact(l) > 0 .or. overlap(2) >= 0 .or. btest(motions%changed(l), j - 1)) then
             call place_first(map, arc, l, law, [j, motions%contact(l)], state, motions)
           else
             motions%contact(l) = j
+            motions%behind(l) = to
             motions%place(l) = from + (to - from)*max(0.0_dp, overlap(1))/(max(0.0_dp, overlap(1)) - overlap(2))
           end if
         end associate
@@ -166,22 +169,36 @@ contains
     integer, intent(in) :: contacts(:)           !< 0: none
     type(integrator_t), intent(in) :: state
     type(motions_t), intent(inout) :: motions
-    real(dp) :: overlap(0:2, 2), part
+    real(dp) :: overlap(0:2, 2), c(0:5), at, part, touch, turn, x(batch_size), v(batch_size)
     logical :: found
-    integer :: i
+    integer :: i, j
 
     motions%contact(l) = 0
     motions%place(l) = arc%to(l)
     do i = 1, size(contacts)
-      if (contacts(i) == 0) cycle
-      overlap = state%contacts(contacts(i))%sense(l)*(motion_in(arc, l) - in_part(map%table%touching(:, contacts(i), :, law), &
-                map%table%width(arc%step), [arc%from(l), arc%to(l)]))
-      if (contacts(i) == motions%changed(l)) overlap(0, 1) = 0
-      call first_zero(quintic(overlap(:, 1), overlap(:, 2)), part, found)
-      part = arc%from(l) + part*(arc%to(l) - arc%from(l))
-      if (.not. found .or. (motions%contact(l) > 0 .and. part >= motions%place(l))) cycle
-      motions%contact(l) = contacts(i)
-      motions%place(l) = part
+      j = contacts(i)
+      if (j == 0) cycle
+      associate (sense => state%contacts(j)%sense(l), table => map%table, from => arc%from(l), to => arc%to(l))
+        overlap = sense*(motion_in(arc, l) - in_part(table%touching(:, j, :, law), table%width(arc%step), [from, to]))
+        if (btest(motions%changed(l), j - 1)) overlap(0, 1) = 0
+        c = quintic(overlap(:, 1), overlap(:, 2))
+        at = to
+        found = overlap(0, 2) < 0
+        if (.not. found) then
+          ! Where contact changes for a short time, the polynomial of the motion decides, at the least value of the quintic.
+          at = from + maximum_of(c)*(to - from)
+          call evaluate(map%speeds, arc%c, (spread(at, 1, batch_size) - arc%left)/arc%width, x, v)
+          call evaluate_quintic(curve_over(table%touching(:, j, :, law), table%width(arc%step)), at, touch, turn)
+          found = sense*(x(l) - touch) < 0
+        end if
+        if (.not. found) cycle
+        call first_zero(c, part, found)
+        part = from + merge(part, 0.5_dp, found)*(merge(to, at, found) - from)
+        if (motions%contact(l) > 0 .and. part >= motions%place(l)) cycle
+        motions%contact(l) = j
+        motions%place(l) = min(part, at)
+        motions%behind(l) = at
+      end associate
     end do
   end subroutine place_first
 
@@ -239,7 +256,7 @@ contains
     call need_law(map%osc, arc%step, arc%contact_set, map%table, law)
     touching = curve_over(map%table%touching(:, contact, :, law), map%table%width(arc%step))
     low = arc%from
-    high = arc%to
+    high = motions%behind
     do iteration = 1, most_iterations
       call evaluate(map%speeds, arc%c, (motions%place - arc%left)/arc%width, x, v)
       longest = 0
@@ -275,6 +292,7 @@ contains
     type(motions_t), intent(inout) :: motions
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period(:)
+    real(dp), parameter :: same = 1e-9_dp        ! events so near are at one place
     real(dp), dimension(batch_size) :: u, x, v, x1, v1, x2, v2, f, g
     real(dp) :: of_event(4), touching(0:5), k1(0:5), k2(0:5), approach, turn, det
     integer :: before, behind, i, l, law, contact_set
@@ -311,7 +329,9 @@ contains
                            state%contacts(contact))
           call record_contact(map%osc, contact_set, table%full(step), table%between(step), period(l))
           motions%found(l) = .true.
-          motions%changed(l) = contact
+          ! Pairs without profile error part and meet at one place.
+          if (place - motions%from(l) > same) motions%changed(l) = 0
+          motions%changed(l) = ibset(motions%changed(l), contact - 1)
           motions%events(l) = motions%events(l) + 1
           motions%from(l) = place
           period(l)%events = period(l)%events + 1

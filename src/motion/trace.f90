@@ -22,7 +22,7 @@ module gearsweep_motion_trace
     type(overlap_t), allocatable :: list(:)      !< only the first `count` are used
   end type overlaps_t
 
-  !> Motion in rows, in pairs for the two ends of a step or sub-step; only the first `rows` count.
+  !> Motion in rows, in pairs for the two ends of a step, or of a part of it; only the first `rows` count.
   type :: trace_t
     integer :: rows = 0
     integer, allocatable :: pairs(:)             !< number of pairs that may be in contact; (row)
@@ -37,7 +37,7 @@ module gearsweep_motion_trace
 
 contains
 
-  !> Records the extrema of one contact over a step or sub-step without events.
+  !> Records the extrema of one contact over a part of a step without events.
   pure subroutine watch_contact(contact, phase, breaks, overlap, overlaps)
     integer, intent(in) :: contact
     real(dp), intent(in) :: phase(2)             !< mesh phases of both ends

@@ -5,8 +5,8 @@ module test_motion
   use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, point_t
-  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
-  use gearsweep_motion_period, only: run_full_contact
+  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t, resolving_steps
+  use gearsweep_motion_period, only: run_full_contact, run_period
   use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_motion_periodic_orbit, only: largest_multiplier
   use gearsweep_motion_response, only: find_response, response_t
@@ -28,6 +28,7 @@ contains
     if (t%wants('references constant_stiffness')) call references(t, 'constant_stiffness')
     if (t%wants('references constant_stiffness_contact_loss')) call references(t, 'constant_stiffness_contact_loss')
     if (t%wants('references smooth_stiffness')) call references(t, 'smooth_stiffness')
+    if (t%wants('changes at one place')) call changes_at_one_place(t)
     if (t%wants('order_of_convergence')) call order_of_convergence(t)
     if (t%wants('tight_tolerance')) call tight_tolerance(t)
     if (t%wants('slow_and_fast')) call slow_and_fast(t)
@@ -77,6 +78,35 @@ contains
       call check_equal(t, row//' status', point%steady%status, merge(status_marginal, status_ok, rows(i)%zeta <= 0))
     end do
   end subroutine references
+
+  !> Pairs without profile error part and meet at one place, many times within one step where steps are long: the number of changes
+  !> over a period from the reference's state is the same for any steps.
+  subroutine changes_at_one_place(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(period_map_t) :: map
+    type(period_t) :: period
+    ! Over the fewest that resolve the natural motion.
+    real(dp), parameter :: steps(5) = [1.2_dp, 1.5_dp, 2.0_dp, 2.7_dp, 20.0_dp]
+    integer :: events(size(steps)), i, k
+
+    call read_rows('test/reference/constant_stiffness_contact_loss.dat', rows)
+    do i = 1, size(rows)
+      associate (row => rows(i), duration => mesh_period(rows(i)%teeth(1), rows(i)%rpm))
+        if (any(abs(row%relief) > 0)) cycle
+        call oscillator_of(row, osc)
+        do k = 1, size(steps)
+          call discretise(osc, resolution_t(steps(k)*resolving_steps(osc, duration), 1), map)
+          call set_durations(map, [duration])
+          call run_period(map, [row%x*1e-6_dp, row%v*duration], period)
+          events(k) = period%events
+        end do
+        call check_true(t, 'changes of contact, row '//str(row%id), all(events == events(size(steps))) .and. events(1) > 0, &
+                        str(events(1))//' '//str(events(size(steps))))
+      end associate
+    end do
+  end subroutine changes_at_one_place
 
   !> Sixth order by halving the steps twice, from two steps for a radian of the natural motion, with all
   !> pairs in contact, with partial contact and with free flight; errors against the reference tables.
