@@ -232,6 +232,7 @@ contains
       if (.not. alike(l)) cycle
       closing%alike = alike .and. motions%contact == motions%contact(l)
       alike = alike .and. .not. closing%alike
+      closing%to = arc%to
       call find_places(map, closing, motions%contact(l), state, motions)
       closing%to = motions%place
       call cross(map, closing, motions%contact(l), which, motions, state, period)
