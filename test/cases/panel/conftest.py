@@ -2,13 +2,11 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import sync_playwright
 
 import gearsweep
 
@@ -139,17 +137,6 @@ def front(folder):
     one = Front(folder)
     yield one
     one.end()
-
-
-@pytest.fixture(scope='session')
-def browser():
-    path = shutil.which('chromium')
-    if path is None:
-        pytest.fail('there is no chromium; sh test/run.sh --panel installs it')
-    with sync_playwright() as driver:
-        one = driver.chromium.launch(executable_path=path, args=['--no-sandbox'])
-        yield one
-        one.close()
 
 
 class Window:

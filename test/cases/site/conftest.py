@@ -1,20 +1,6 @@
-"""A browser without a window or a network."""
-
-import shutil
+"""A page of the site in a browser without a network."""
 
 import pytest
-from playwright.sync_api import sync_playwright
-
-
-@pytest.fixture(scope='session')
-def browser():
-    path = shutil.which('chromium')
-    if path is None:
-        pytest.fail('there is no chromium; sh test/run.sh --panel installs it')
-    with sync_playwright() as driver:
-        one = driver.chromium.launch(executable_path=path, args=['--no-sandbox'])
-        yield one
-        one.close()
 
 
 @pytest.fixture
