@@ -129,8 +129,8 @@ def compare_face_loads(studies: Study | Sequence[Study], ax: Axes | None = None,
     Parameters
     ----------
     studies : Study or sequence of Study
-        A study with a list of misalignments, `&face_load misalignment_um`; of others one for each misalignment, as of
-        `case.changed(face={'misalignment_um': 20})`; without a list a single study is one point.
+        One study with a list of misalignments, `&face_load misalignment_um`, or one study for each misalignment, as of
+        `case.changed(face={'misalignment_um': 20})`. A study without a list is one point.
     ax : Axes, optional
         Axes to draw into; otherwise a figure is made.
     relief_um : float, optional

@@ -94,6 +94,19 @@ def test_factors_over_misalignment_are_those_of_the_studies(study):
     assert plots.compare_face_loads(study, Figure().subplots()).has_data()
 
 
+def test_factors_over_a_list_of_misalignments_are_those_of_its_table():
+    """In the order of the misalignments, a panel for each relief; the page of all pictures has it."""
+    study = gearsweep.run(CASE.changed(face_load={'misalignment_um': [30, -20, 0]}))
+    table = study.face_misalignments
+    panels = next(figure for name, figure in plots.figures(study) if name == 'face_misalignments').axes
+    assert len(panels) == 2
+    for ax, relief in zip(panels, (0, 15), strict=True):
+        rows = [table.at(relief_um=relief, misalignment_um=one) for one in (-20, 0, 30)]
+        for line, column in zip(ax.lines, ('worst_face_load_factor', 'face_load_factor', 'root_face_load_factor', 'iso_face_load_factor'), strict=True):
+            np.testing.assert_array_equal(line.get_data(), [[-20, 0, 30], [row[column] for row in rows]])
+        assert ax.get_xlabel() == 'Misalignment (µm)'
+
+
 def test_both_pictures_are_drawn_of_a_study_as_files(study, tmp_path):
     names = [name for name, _ in plots.figures(study)]
     assert names == ['contact_pattern', 'face_load']

@@ -764,7 +764,7 @@ def test_compare_draws_a_column_of_several_studies(ax):
 
 
 def test_the_page_lists_every_picture_with_its_caption():
-    rows = re.findall(r'^\| (`plot_.*?) \| .*? \| `(\w+)` \| (.*) \|$', (ROOT / 'doc/pictures.md').read_text(), re.MULTILINE)
+    rows = re.findall(r'^\| (`plot.*?) \| .*? \| `(\w+)` \| (.*) \|$', (ROOT / 'doc/pictures.md').read_text(), re.MULTILINE)
     assert {name for _, name, _ in rows} == set(plots.PICTURES)
     for _, name, shown in rows:
         assert shown.lower() == plots.PICTURES[name].caption.lower()
