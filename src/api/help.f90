@@ -31,6 +31,8 @@ module gearsweep_api_help
     entry_t('bearing bearings shaft', 'Bearings are not computed. &face shaft_diameter_mm is the pinion''s shaft, which twists '// &
       'and bends under the load over the face width. In motion the gears turn about fixed axes: hub_inertia_kgm2 of a gear '// &
       'adds the inertia of what turns with it.'), &
+    entry_t('rexs dxf cad', 'The Python package reads a stage of a REXS file (gearsweep.read_rexs) and writes '// &
+      'the outlines of both gears as a DXF drawing (gearsweep.write_dxf).'), &
     entry_t('internal bevel worm planetary rack', 'gearsweep is for pairs of external gears.')]
 
 contains
