@@ -55,7 +55,7 @@ class _Model:
         return {node.get('id', ''): node for node in self.cases[load_case].findall('component')}
 
     def related(self, kind: str, role: str, other: str, component: str) -> list[str]:
-        """Components in the role `other` of the relations of a kind that have this component in `role`."""
+        """Components with the role `other` in the relations of a kind in which this component has the role `role`."""
         return [refs[other] for type_, refs in self.relations if type_ == kind and refs.get(role) == component and other in refs]
 
     def kind(self, component: str) -> str:
@@ -81,7 +81,7 @@ class _Model:
             raise Error(f'{self.path}: {self.named(component)}: {attribute} = {text}: must be a number') from None
 
     def common(self, components: list[str], attribute: str) -> float | None:
-        """The value that all components have which state it."""
+        """The value of an attribute in the components that state it, which must agree."""
         values = {component: value for component in components if (value := self.number(component, attribute)) is not None}
         if len(set(values.values())) > 1:
             said = ', '.join(f'{value:g} of {self.named(component)}' for component, value in values.items())
@@ -92,7 +92,7 @@ class _Model:
 def read_rexs(path: str | os.PathLike, stage: str | None = None, load_case: str | None = None, **groups: Mapping[str, Any]) -> Case:
     """Reads a spur or helical stage from a REXS file (XML, versions 1.0 to 2.0) into a case.
 
-    Geometry and load are read, no modifications, tolerances or results. `gear_1` of the stage becomes the pinion, which drives. The first
+    Reads geometry and load, but no modifications, tolerances or results. `gear_1` of the stage becomes the pinion, which drives. The first
     line of the case names what belongs to the gears but is not read.
 
     Parameters
@@ -104,7 +104,7 @@ def read_rexs(path: str | os.PathLike, stage: str | None = None, load_case: str 
     load_case : str, optional
         The id of the load case, where the file has several and a task needs the torque.
     **groups : mappings
-        Keys as for `Case.changed`: what the file lacks, instead of what it has, and the tasks; without them `geometry`.
+        Keys as for `Case.changed`: the tasks (otherwise `geometry`), what the file lacks, and what replaces its values.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def read_rexs(path: str | os.PathLike, stage: str | None = None, load_case: str 
     pairs = [refs for kind, refs in model.relations if kind == 'stage' and refs.get('stage') == stage]
     gears = [pairs[0].get(role, '') for role in ('gear_1', 'gear_2')] if pairs else []
     if [model.kind(gear) for gear in gears] != ['cylindrical_gear'] * 2:
-        raise Error(f'{model.path}: stage {stage} must have two of cylindrical_gear, external ones')
+        raise Error(f'{model.path}: stage {stage} must have external gears, two of cylindrical_gear')
     given = {group.lower(): dict(keys) for group, keys in groups.items()}
     tasks = given.get('case', {}).get('tasks', 'geometry')
     tasks = [tasks] if isinstance(tasks, str) else list(tasks)
@@ -136,7 +136,7 @@ def read_rexs(path: str | os.PathLike, stage: str | None = None, load_case: str 
 
 
 def _chosen(path: str, what: str, ids: list[str], wanted: str | None, model: _Model | None = None) -> str:
-    """The id that is wanted, or the only one."""
+    """The stated id, which must be among the ids, or the only one."""
     listed = ', '.join(f'{one} ({model.components[one].get("name")})' if model else one for one in ids)
     if wanted is None and len(ids) == 1:
         return ids[0]
@@ -186,7 +186,7 @@ def _geometry(model: _Model, stage: str, gears: list[str], given: Mapping[str, M
 
 
 def _material(model: _Model, gears: list[str]) -> dict[str, dict[str, float]]:
-    """Elastic constants and density of the gears' materials; a gear without one is of that of its shaft."""
+    """Elastic constants and density of the gears' materials; a gear without a material has that of its shaft."""
     groups: dict[str, dict[str, float]] = {}
     for name, gear in zip(('pinion', 'gear'), gears):
         for origin in (gear, *model.related('assembly', 'part', 'assembly', gear)):
@@ -215,8 +215,8 @@ def _load(model: _Model, stage: str, gears: list[str], given: Mapping[str, Mappi
 
 
 def _torque(model: _Model, stage: str, gear: str) -> float | None:
-    """That of the gear in the stage. Of a gear in one stage only, else that on its shaft: its own, or that of the loads on a shaft
-    without another gear."""
+    """The torque of a gear in a stage. Where the stage has none and the gear is in no other stage: that on its shaft, as the gear
+    states it or as the sum of the loads on a shaft without another gear."""
     own = [refs.get('stage_gear_data', '') for kind, refs in model.relations
            if kind == 'stage_gear_data' and refs.get('stage') == stage and refs.get('gear') == gear]  # fmt: skip
     if (torque := model.common(own, 'torque')) is not None:
@@ -242,7 +242,7 @@ def _speed(model: _Model, gear: str) -> float | None:
 
 
 def _not_read(model: _Model, gears: list[str]) -> Iterator[str]:
-    """Kinds of what belongs to the gears or their flanks, such as tip_relief, and is not read."""
+    """Types of the components that belong to the gears or their flanks and are not read, such as tip_relief."""
     own = {*gears, *(flank for gear in gears for flank in _flanks(model, gear))}
     for kind, refs in model.relations:
         if kind not in ('assembly', 'stage', 'stage_gear_data', 'flank', 'side') and own & set(refs.values()):

@@ -1,5 +1,5 @@
-"""Cases from REXS files: a public example (its source is in the file), and changes of it. What is expected stands in the file, or
-follows from it in closed form.
+"""Cases from REXS files: a public example (its source is in the file), and changes of it. Expected values are in the file, or follow
+from it in closed form.
 """
 
 import math
@@ -115,8 +115,8 @@ def test_what_the_file_lacks_is_asked_for_by_its_key(name, changed):
 @pytest.mark.parametrize('changes, said', [
     ([('>4.5<', '>4,5<')], 'cylindrical_gear 15: normal_module = 4,5: must be a number'),
     ([('>-21<', '>21<')], 'helix_angle_reference_diameter must be opposite, not 21 and 21'),
-    ([('id="17" name="Cylindrical gear [28]" type="cylindrical_gear"', 'id="17" name="ring" type="ring_gear"')], 'must have two of cylindrical_gear'),
-    ([('role="gear_2"', 'role="gear_3"')], 'must have two of cylindrical_gear'),
+    ([('id="17" name="Cylindrical gear [28]" type="cylindrical_gear"', 'id="17" name="ring" type="ring_gear"')], 'must have external gears, two of cylindrical_gear'),
+    ([('role="gear_2"', 'role="gear_3"')], 'must have external gears, two of cylindrical_gear'),
     ([('<model', '<models'), ('</model>', '</models>')], 'begins with models'),
     ([('</model>', '')], 'is not XML'),
     ([('<', '{')], 'not .rexsj and .rexsz'),
