@@ -1,13 +1,13 @@
 """Compares all places that have the version, or sets them: python3 app/version.py [VERSION [DATE]]
-fpm.toml says which it is. The changelog begins with `VERSION - DATE`, as CITATION.cff has them, or with `VERSION - unreleased`. A new
-version renames the heading of one that is unreleased, and begins a part above one that is released. Without a date it is unreleased."""
+The version is that of fpm.toml. The changelog begins with `VERSION - DATE`, with the date of CITATION.cff, or with `VERSION - unreleased`.
+To set a version renames the first heading if that is unreleased, and adds one above it otherwise. Without a date the version is unreleased."""
 import re
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 WHOLE, MINOR = r'\d+\.\d+\.\d+', r'\d+\.\d+'
-#: Files, what stands before the version, what it is, and what stands behind it.
+#: Files, the text before the version, the form of the version, and the text after it.
 PLACES = (
     ('fpm.toml', r'^version = "', WHOLE, '"'),
     ('src/base/version.f90', "version = '", WHOLE, "'"),
@@ -35,7 +35,7 @@ def found(name, before, number, behind):
     """The first match: of the changelog, the newest version."""
     match = re.search(f'({before})({number})(?={behind})', read(name), re.MULTILINE)
     if match is None:
-        raise SystemExit(f'{name} has no version behind {before}')
+        raise SystemExit(f'{name} has no version after {before}')
     return match
 
 

@@ -1,7 +1,7 @@
 """Makes a notebook of a page whose examples are cases, runs it, and keeps what it printed and drew:
 python doc/notebook.py PAGE NOTEBOOK
-Each case of the page becomes a cell that runs it; what the page shows of its output is left to the cell. A comment
-`<!-- its picture: plot_sweep(study) -->` of the page becomes a cell that draws it. Needs the package, nbformat, nbclient and ipykernel."""
+Each case of the page becomes a cell that runs it. The lines of output on the page are omitted, as the cell prints them. A comment
+`<!-- its picture: plot_sweep(study) -->` of the page becomes a cell that draws the picture. Needs the package, nbformat, nbclient and ipykernel."""
 import re
 import sys
 from pathlib import Path

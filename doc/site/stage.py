@@ -1,7 +1,8 @@
 """Lays the pages out for the documentation site, and the reference of the library beside them:
 python3 doc/site/stage.py PAGES [NOTEBOOK.ipynb] [REFERENCE]
-NOTEBOOK is that of the page of its name (doc/notebook.py): the page gets its pictures, and a link to it. Links between pages stay; a
-link to a file of the sources leads to a copy of it, and a link to a folder to its place on the map of the sources. REFERENCE, FORD's pages, then need nothing from elsewhere."""
+A page gets the pictures of the NOTEBOOK with its name (doc/notebook.py), and a link to it. Links between pages stay the same; a link
+to a file of the sources leads to a copy of it, and a link to a folder to its place on the map of the sources. REFERENCE, FORD's pages,
+then needs nothing from elsewhere."""
 import base64
 import json
 import re
@@ -14,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 SITE = ROOT / 'doc/site'
 PAGES = {'README.md': 'index.md', 'CONTRIBUTING.md': 'contributing.md', 'CHANGELOG.md': 'changelog.md',
          'examples/README.md': 'tutorial.md'}
-#: Weight of a page in the search: lists of names would come before the pages that explain.
+#: Weight of a page in the search, so that pages that explain come before lists of names.
 BOOST = {'questions.md': 4, 'case.md': 0.5, 'tables.md': 0.5, 'changelog.md': 0.2, 'files.md': 0.1, 'names.md': 0.1}
 MODULE = re.compile(r'^\s*module\s+(\w+)\s*$', re.MULTILINE)
 

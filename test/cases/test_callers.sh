@@ -44,7 +44,7 @@ check 'version of the package' test "$(pkg-config --modversion gearsweep)" = "$v
 # --- Fortran 77 and C --------------------------------------------------------
 
 cp "$root"/tools/callers/* "$root"/examples/first.* .
-# compile COMMAND: its output, which warnings are, is in the file `compiled` too.
+# compile COMMAND: its output, with the warnings, is also in the file `compiled`.
 compile() { eval "$1" >compiled 2>&1 || { cat compiled; return 1; }; }
 printf 'int main(void) { int unused; return 0; }\n' >warned.c
 warns() { compile 'cc -Wall warned.c -o warned' && ! silent compiled; }

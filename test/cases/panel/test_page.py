@@ -118,7 +118,7 @@ def test_the_face_of_helical_gears_has_oblique_lines(browser, front):
         x1, y1, x2, y2 = (float(one.get_attribute(name)) for name in ('x1', 'y1', 'x2', 'y2'))
         assert [(x1 - left) / across, (x2 - left) / across] == pytest.approx([first, last], abs=0.01)
         assert (y2 - y1) / height == pytest.approx((last - first) * overlap / ratio, abs=0.01)
-    # Coloured where lines bear: as many of the cells as of the places on the path.
+    # The coloured part of the area is the part of the path and face where lines carry load in the table.
     on_path = (load.s > 0) & (load.s < ratio)
     share = (load.slice_mm[on_path] * (load.pressure_mpa[on_path] > 0)).sum() / load.slice_mm[on_path].sum()
     rects = window.page.locator('#view .chart .body rect').all()[1:]

@@ -29,7 +29,7 @@ export const PICTURES = [
   { id: 'factor_map', title: 'Largest dynamic factor over torque and relief', table: 'optimum_map', task: 'optimum', kind: 'map', x: 'torque_nm', y: 'relief_um', z: 'worst_dynamic_factor', ...BY_FACTOR },
   { id: 'relief_flank', title: 'Tip relief over the diameter', table: 'relief_flank', task: 'deflection_relief', x: 'diameter_mm', y: 'relief_um', first: 'method' },
   { id: 'relief_search', title: 'Largest dynamic factor over relief, as searched', table: 'relief_curve', task: 'deflection_relief', x: 'relief_um', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor' },
-  { id: 'contact_pattern', title: 'Contact pattern: pressure over face width and path', table: 'face_load', kind: 'map', x: 'z_mm', xname: 'Place z over the face width (mm)', y: 's', z: 'pressure_mpa', zname: 'Hertz pressure (MPa)', without: ['mesh_phase'], widths: 'slice_mm', low: 0, blank: 0, needs: { contact_points: ['s'] }, below: 'Upwards from root to tip of the pinion; white: no contact.', oblique: 'Lines: of contact where a pair enters; they move upwards.' },
+  { id: 'contact_pattern', title: 'Contact pattern: pressure over face width and path', table: 'face_load', kind: 'map', x: 'z_mm', xname: 'Place z over the face width (mm)', y: 's', z: 'pressure_mpa', zname: 'Hertz pressure (MPa)', without: ['mesh_phase'], widths: 'slice_mm', low: 0, blank: 0, needs: { contact_points: ['s'] }, below: 'Upwards from root to tip of the pinion; white: no contact.', oblique: 'Lines: lines of contact as a pair enters; they move upwards.' },
   { id: 'face_misalignment', title: 'Face load factors over the misalignment', table: 'face_misalignments', task: 'face_load', x: 'misalignment_um', y: ['worst_face_load_factor', 'face_load_factor', 'root_face_load_factor', 'iso_face_load_factor'], yname: 'Face load factor', names: ['worst phase, K_Hβ', 'K_Hβ', 'root, K_Fβ', 'ISO 6336-1 method C'], set: ['face_load', 'misalignment_um', '-40, -30, -20, -10, 0, 10, 20, 30, 40'] },
   { id: 'face_factor', title: 'Load factor of the face over the mesh period', table: 'face_load_phases', task: 'face_load', x: 'mesh_phase', y: 'face_load_factor', yname: 'Largest load on one module over the mean' },
   { id: 'load', title: 'Load of one pair in motion', table: 'load', x: 's', y: 'pair_load_n', fromZero: true, ...ALONG },
@@ -158,7 +158,7 @@ function marked(picture, data) {
   return [];
 }
 
-/** The face with oblique lines of contact, each with a place of its own on every slice: on steps of the path, and the lines where a pair enters. */
+/** The face of helical gears, null for spur gears. A line of contact has another path coordinate on each slice: the pressure is interpolated at equal steps of the path. With the lines of contact as a pair enters. */
 function oblique(picture, columns, rows, data) {
   const z = columns[picture.x], s = columns[picture.y], value = columns[picture.z], widths = columns[picture.widths];
   const xs = [...new Set(rows.map((i) => z[i]))].sort((a, b) => a - b), slices = xs.length, start = rows.filter((i) => z[i] === xs[0]);
