@@ -736,6 +736,20 @@ def face_bench(quantity):
     return np.nanmax([abs(float(row[head.index(f'{quantity} %')])) for row in rows])
 
 
+def spring_loads():
+    """How many loads of uneven faces are solved for the springs of a pair, and the largest over the static load: src/face/springs.f90."""
+    text = (REFERENCE.parents[1] / 'src/face/springs.f90').read_text(encoding='utf-8')
+    loads = re.findall(r'([\d.]+)_dp', re.search(r'chord_loads\(\*\) = \[(.*?)\]', text, re.DOTALL)[1])
+    return [len(loads), max(map(float, loads))]
+
+
+def face_in_contact(misalignment):
+    """Per cent of the face of test/unit/face/test_face_motion.f90 that carries."""
+    found = gearsweep.run(gearsweep.Case(f"""&case tasks = 'face_load' / &pair module_mm = 1 face_width_mm = 10 / &pinion teeth = 25 / &gear teeth = 25 /
+        &load line_load_n_mm = 100 / &face misalignment_um = {misalignment} /"""))
+    return 100 * float(found.face_load_summary.face_in_contact[0])
+
+
 def many_bench(row):
     """A row of bench/measured/many.csv."""
     rows = [line.split(',') for line in (REFERENCE.parents[1] / 'bench/measured/many.csv').read_text(encoding='utf-8').splitlines()[2:]]

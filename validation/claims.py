@@ -45,9 +45,9 @@ NAMES = re.compile(r'[Cc]ase 1\b|\bC1[12]\b|-O\d')
 # In CHANGELOG.md standards, years and versions change no reader's mind.
 HISTORY = re.compile(r'ISO(/TR)? [\d-]+(:\d+)?|Fortran \d+|20\d\d|## [\d.]+')
 # What stands between these is held by tests of its own: blocks that commands write (test_ledger, test_choices, test_asymmetric,
-# test_life_factors; below for what is measured), keys (suite `declarations`), examples (test_pages, test_readme), lines of Python (run).
+# test_life_factors; below for what is measured), keys (suite `declarations`), examples (test_pages, test_readme), lines of Python (run), pictures (test_site).
 BLOCKS = (r'<!-- validation: begin.*?<!-- validation: end -->', r'<!-- ([\w ]+): begin, by python -m .*?<!-- \1: end -->',
-          r'<!-- begin ([\w.]+) -->.*?<!-- end \1 -->', r'<!-- keys of .*?<!-- end of keys -->',
+          r'<!-- begin ([\w.]+) -->.*?<!-- end \1 -->', r'<!-- keys of .*?<!-- end of keys -->', r'<!-- its picture: .*? -->',
           r'<!-- (?:a case|the case|what the program prints|prints the|what these lines|from what it prints)[^>]*-->\n```.*?```',
           r'```python\n>>>.*?```', r'```pycon.*?```')
 MEASURED = re.compile(r'<!-- begin ([\w.]+) -->\n(.*?)<!-- end \1 -->', re.DOTALL)
