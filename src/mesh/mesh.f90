@@ -44,6 +44,7 @@ module gearsweep_mesh_mesh
     procedure :: mean_stiffness
     procedure :: stiffness_of
     procedure :: shared_from
+    procedure :: are_joint
     procedure :: is_coupled
     procedure :: curvature_ratio
     procedure :: mobility
@@ -154,6 +155,13 @@ contains
       c = mesh%disc%shared_at(s/half - 1)/[1.0_dp, half, half**2]
     end if
   end function shared_from
+
+  !> True if pairs share a compliance, or are springs of one pair.
+  elemental logical function are_joint(mesh)
+    class(mesh_t), intent(in) :: mesh
+
+    are_joint = mesh%disc%shared > 0 .or. mesh%spacing > 0
+  end function are_joint
 
   !> True if this many pairs share different compliances. Two pairs share one: a spring in series with both.
   elemental logical function is_coupled(mesh, pairs)

@@ -10,7 +10,7 @@
 module gearsweep_motion_coefficients
   use gearsweep_base, only: dp, has_memory
   use gearsweep_mesh, only: interval_t, set_period
-  use gearsweep_motion_contact_law, only: find_law, find_law_values, find_response, find_touching, product_of, shared_t
+  use gearsweep_motion_contact_law, only: find_law, find_law_values, find_response, find_touching, kind_of, product_of, shared_t
   use gearsweep_motion_gauss, only: nodes, stiff_nodes
   use gearsweep_motion_oscillator, only: mobility, oscillator_t, touches_coast
   use gearsweep_motion_resolution, only: count_steps, equal_steps, grading_t, gradings, has_turned, is_stiff, resolution_t, &
@@ -38,7 +38,6 @@ module gearsweep_motion_coefficients
     integer, allocatable :: pairs(:)       !< pairs that may be in contact; (step)
     integer, allocatable :: full(:)        !< contact set of full contact: bit j - 1 for pair j; (step)
     integer, allocatable :: between(:)     !< contact set of the pairs between A and E; (step)
-    logical, allocatable :: coupled(:)     !< three pairs or more share different compliances; (step)
     type(kind_t), allocatable :: kind(:)   !< (step)
     real(dp), allocatable :: left(:), width(:)     !< start and length of a step, mesh phase 0 to 1; (step)
     !> K_j (N/m) of a pair that carries alone, e_j (m) and acceleration per load (1/kg); (node, pair, step)
@@ -91,7 +90,7 @@ contains
     integer :: shares, ideal, waves
     logical :: fits
 
-    shares = merge(osc%pairs, 0, osc%are_joint)
+    shares = merge(osc%pairs, 0, osc%mesh%are_joint())
     ideal = merge(osc%pairs, 0, osc%mesh%deviations%any())
     waves = size(osc%mesh%deviations%rates())
     if (allocated(table%interval)) then
@@ -106,7 +105,7 @@ contains
     table%contacts = osc%contacts
     associate (m => table%contacts, p => osc%pairs, q => max(1, osc%pairs - 1), n => steps + further_laws(steps))
       allocate (table%interval(steps), table%pairs(steps), table%left(steps), table%width(steps), table%upper_bound(steps))
-      allocate (table%kind(steps), table%full(steps), table%between(steps), table%lower_bound(steps), table%coupled(steps))
+      allocate (table%kind(steps), table%full(steps), table%between(steps), table%lower_bound(steps))
       allocate (table%stiffness(3, p, steps), table%profile_error(3, p, steps), table%mobility(3, p, steps))
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_profile_error(0:2, p, 2, steps), table%end_mobility(p, 2, steps))
       allocate (table%shared(3, q, steps), table%end_shared(0:2, q, 2, steps))
@@ -354,7 +353,6 @@ contains
         table%pairs(first:last) = interval%pairs
         table%full(first:last) = set_of(interval%carries)
         table%between(first:last) = set_of(interval%between)
-        table%coupled(first:last) = osc%mesh%disc%shared > 0 .and. osc%mesh%is_coupled(interval%pairs)
         table%kind(first:last) = kind_t()
         if (resolution%graded_for > 0) then
           call grade_interval(osc, i, resolution, grading(i), first, last, table)
@@ -495,7 +493,7 @@ contains
     integer, intent(in) :: step, contact_set, law
     type(coefficients_t), intent(inout) :: table
 
-    call fill_response(kind_of(osc, table, step), step, contact_set, law, table)
+    call fill_response(kind_of(osc%mesh, table%pairs(step)), step, contact_set, law, table)
     call apply_errors(osc, step, law, table)
     if (osc%coasts == 1) call add_coast(osc, step, touches_coast(osc, contact_set), law, table)
     if (osc%coasts > 1) call add_coast_flanks(osc, step, shiftr(contact_set, osc%pairs), law, table)
@@ -598,7 +596,7 @@ contains
         table%end_forcing(:, 1, law) = table%end_forcing(:, 2, law - 1)
       end if
       do end = begin, 2
-        if (osc%are_joint) then
+        if (osc%mesh%are_joint()) then
           call find_touching(table%share(:, :p, :p, end, law), table%end_profile_error(:, :p, end, step), &
                              table%touching(:, :p, end, law))
         else
@@ -618,15 +616,6 @@ contains
     end associate
   end subroutine apply_errors
 
-  !> Kind of compliance that the pairs share in a step.
-  pure type(shared_t) function kind_of(osc, table, step)
-    type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step
-
-    kind_of = shared_t(osc%are_joint, table%coupled(step), osc%mesh%disc%shared_beyond(), osc%mesh%spacing)
-  end function kind_of
-
   !> Adds the coast sides to a law: they touch at x = -backlash, backed by the stiffness of all pairs between A and E; of pairs of
   !> several springs by that under the static load.
   pure subroutine add_coast(osc, step, closed, law, table)
@@ -639,7 +628,7 @@ contains
     real(dp) :: k(3)
     integer :: end
 
-    associate (p => table%pairs(step), kind => kind_of(osc, table, step), coast => osc%contacts, &
+    associate (p => table%pairs(step), kind => kind_of(osc%mesh, table%pairs(step)), coast => osc%contacts, &
                between => merge(table%full(step), table%between(step), osc%mesh%spacing > 0))
       table%effective(:, coast, :, law) = 0
       table%touching(:, coast, :, law) = 0
@@ -672,7 +661,7 @@ contains
     integer :: end, j
 
     mobility = sum(1/osc%mass)
-    associate (p => table%pairs(step), kind => kind_of(osc, table, step))
+    associate (p => table%pairs(step), kind => kind_of(osc%mesh, table%pairs(step)))
       if (coast_set > 0) then
         call find_law_values(coast_set, kind, table%stiffness(:, :p, step), table%coast_gap(:, :p, step), &
                              table%shared(:, :, step), at_node, node_touching)

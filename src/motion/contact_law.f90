@@ -26,7 +26,7 @@ module gearsweep_motion_contact_law
   use gearsweep_mesh, only: interval_t, mesh_t
   implicit none
   private
-  public :: shared_t, springs_t, find_law, find_law_values, find_response, find_touching, springs_at, find_law_of_pair, &
+  public :: shared_t, springs_t, kind_of, find_law, find_law_values, find_response, find_touching, springs_at, find_law_of_pair, &
             find_closed, product_of
 
   !> Kind of dependence of the pairs on one another.
@@ -47,6 +47,14 @@ module gearsweep_motion_contact_law
   end type springs_t
 
 contains
+
+  !> Kind of dependence of this many pairs of a mesh on one another.
+  pure type(shared_t) function kind_of(mesh, pairs) result(kind)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: pairs
+
+    kind = shared_t(mesh%are_joint(), mesh%disc%shared > 0 .and. mesh%is_coupled(pairs), mesh%disc%shared_beyond(), mesh%spacing)
+  end function kind_of
 
   !> Computes the response of a contact set at one place: the effective stiffness, and the touching deflections as sums of the
   !> profile errors times `weight`. With derivatives where the arrays have them: (0:2, pair), else (0:0, pair).
@@ -253,9 +261,7 @@ contains
     real(dp) :: s
     integer :: j, k
 
-    springs%kind%any = mesh%disc%shared > 0
-    springs%kind%coupled = springs%kind%any .and. mesh%is_coupled(interval%pairs)
-    springs%kind%beyond = mesh%disc%shared_beyond()
+    springs%kind = kind_of(mesh, interval%pairs)
     allocate (springs%stiffness(size(phase), interval%pairs), springs%profile_error(size(phase), interval%pairs))
     allocate (springs%shared(size(phase), size(interval%shared, 2)))
     do j = 1, size(interval%shared, 2)
@@ -282,13 +288,12 @@ contains
     real(dp), dimension(1, interval%pairs) :: all_effective, all_touching
     real(dp) :: s
 
-    if (.not. (mesh%disc%shared > 0 .or. mesh%spacing > 0)) then
+    if (.not. mesh%are_joint()) then
       s = interval%place(phase, pair)
       effective = mesh%stiffness%value(s, mesh%stiffness%locate(s, interval%stiffness_piece(:, pair)))
       touching = mesh%error_at(interval, phase, pair)
     else
       call springs_at(mesh, interval, [phase], springs)
-      if (mesh%spacing > 0) springs%kind = shared_t(any=.true., spacing=mesh%spacing)
       call find_law_values(contact_set, springs%kind, springs%stiffness, springs%profile_error, springs%shared, all_effective, &
                            all_touching)
       effective = all_effective(1, pair)

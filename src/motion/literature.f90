@@ -12,7 +12,7 @@ module gearsweep_motion_literature
   use gearsweep_base, only: dp, has_memory
   use gearsweep_mesh, only: interval_t
   use gearsweep_motion_resolution, only: resolution_t, scheme_constant, scheme_rk4
-  use gearsweep_motion_contact_law, only: find_closed, find_law, find_law_values, shared_t
+  use gearsweep_motion_contact_law, only: find_closed, find_law, find_law_values, kind_of, shared_t
   use gearsweep_motion_contact_set, only: add_to_dte, in_contact, period_t, record_contact
   use gearsweep_motion_load_peaks, only: cubic_curvature
   use gearsweep_motion_oscillator, only: acceleration, damping, mobility, oscillator_t
@@ -64,8 +64,7 @@ contains
 
     associate (intervals => osc%intervals)
       table%scheme = resolution%scheme
-      table%kind = shared_t(osc%are_joint, osc%mesh%disc%shared > 0 .and. osc%mesh%is_coupled(osc%pairs), &
-                            osc%mesh%disc%shared_beyond(), osc%mesh%spacing)
+      table%kind = kind_of(osc%mesh, osc%pairs)
       if (table%scheme == scheme_rk4) then
         counts = resolution%times*max(1, ceiling(resolution%base*(intervals%last - intervals%first) - 1e-6_dp))
       else

@@ -30,7 +30,6 @@ module gearsweep_motion_oscillator
     real(dp) :: friction = 0           !< mu
     logical :: has_backlash = .false.  !< the coast sides can come into contact
     real(dp) :: backlash = 0           !< m, along the line of action
-    logical :: are_joint = .false.     !< pairs share a compliance, or are springs of one pair (`mesh_t%spacing`)
     integer :: pairs = 0               !< largest number of pairs that may be in contact
     !> Contacts of coast sides: 0 without backlash, one for all together or, where teeth have position errors, one next to each
     !> pair.
@@ -72,7 +71,6 @@ contains
     if (osc%friction > 0) call demand(all(osc%mesh%teeth > 0) .and. osc%mesh%tan_angle > 0, 'friction', &
       osc%friction, 'needs the teeth of both gears and the pressure angle')
     if (allocated(error)) return
-    osc%are_joint = osc%mesh%disc%shared > 0 .or. osc%mesh%spacing > 0
     osc%by_load = osc%mesh%reaches_beyond()
     if (osc%by_load) then
       osc%intervals = rest_intervals(osc)
