@@ -9,9 +9,9 @@
 !>
 !> A misaligned or crowned face touches at one place, and more of it carries the larger the load is. The load F(x) of a pair then
 !> has a slope that rises with x, and chords stand for it: from where the pair touches to a tenth of the static load, on to 0.4,
-!> 0.9, 1.6 and 2.8 times this load, and beyond. Where several pairs carry, each has its chords between these parts of its own load
-!> under 2.8 times the static load on all. A chord is a spring of the pair in parallel to those before it: it touches where it
-!> begins, at e, and its stiffness K is the rise of the slope there.
+!> 0.9, 1.6 and 2.8 times this load, and beyond. Where several pairs carry, the chords of each end at the same fractions of the
+!> load that it has while all together carry 2.8 times the static load. A chord is a spring of the pair in parallel to those before
+!> it: it touches where it begins, at e, and its stiffness K is the rise of the slope there.
 module gearsweep_face_springs
   use gearsweep_base, only: constant, dp, joined, piecewise_t, spline
   use gearsweep_face_load, only: face_load_t, pair_loads_t
@@ -42,11 +42,10 @@ contains
     ! At each place of a pair: the stiffness of its springs, N/m, where the first touches, and the distance to the next, m.
     real(dp) :: k(springs_of_pair, size(loads%touching)), step(springs_of_pair - 1, size(loads%touching))
     real(dp), dimension(size(loads%touching)) :: s, first
-    type(piecewise_t) :: k_part(springs_of_pair), e_part(springs_of_pair), part
-    type(piecewise_t) :: k_of(springs_of_pair), e_of(springs_of_pair)
+    type(piecewise_t) :: e
     logical, dimension(size(s)) :: is_known, ends
     real(dp) :: beyond
-    integer :: from, i, j, m, n, row
+    integer :: i, j, m, n, row
 
     n = 0
     do j = 1, size(loads%load, 2)
@@ -61,37 +60,51 @@ contains
       end do
     end do
     call fill_gaps(is_known(:n), k(:, :n), first(:n), step(:, :n))
-    from = 1
-    do i = 1, n
-      if (.not. ends(i)) cycle
-      e_part(1) = spline(s(from:i), first(from:i))
-      do m = 1, springs_of_pair
-        k_part(m) = positive(s(from:i), k(m, from:i))
-        if (m < springs_of_pair) e_part(m + 1) = sum_of(e_part(m), positive(s(from:i), step(m, from:i)))
-        if (from == 1) then
-          k_of(m) = k_part(m)
-          e_of(m) = e_part(m)
-        else
-          k_of(m) = joined(k_of(m), k_part(m))
-          e_of(m) = joined(e_of(m), e_part(m))
-        end if
-      end do
-      from = i + 1
-    end do
-    ! The spring that touches first is the last one over the path coordinate.
     beyond = 10*maxval(first(:n) + sum(step(:, :n), 1))
-    stiffness = k_of(springs_of_pair)
-    profile_error = e_of(springs_of_pair)
-    do m = springs_of_pair - 1, 1, -1
-      if (spacing > total + close) then
-        part = constant(total, real(spacing, dp), 0.0_dp)
-        stiffness = joined(stiffness, part)
-        part%coef = beyond
-        profile_error = joined(profile_error, part)
-      end if
-      stiffness = joined(shifted(stiffness, -spacing), k_of(m))
-      profile_error = joined(shifted(profile_error, -spacing), e_of(m))
+    stiffness = over_path(k(1, :n), .true.)
+    profile_error = over_path(first(:n), .false.)
+    e = profile_error
+    do m = 2, springs_of_pair
+      call place_before(over_path(k(m, :n), .true.), 0.0_dp, stiffness)
+      e = sum_of(e, over_path(step(m - 1, :n), .true.))
+      call place_before(e, beyond, profile_error)
     end do
+
+  contains
+
+    !> Curve through values at all places, in parts between which pairs change.
+    pure type(piecewise_t) function over_path(values, is_positive) result(curve)
+      real(dp), intent(in) :: values(:)
+      logical, intent(in) :: is_positive         ! nowhere below 0
+      type(piecewise_t) :: part
+      integer :: from, i
+
+      from = 1
+      do i = 1, n
+        if (.not. ends(i)) cycle
+        if (is_positive) then
+          part = positive(s(from:i), values(from:i))
+        else
+          part = spline(s(from:i), values(from:i))
+        end if
+        if (from > 1) part = joined(curve, part)
+        curve = part
+        from = i + 1
+      end do
+    end function over_path
+
+    !> Adds spring m of the pair to a curve, which begins with spring m - 1. The `level` is that past E.
+    pure subroutine place_before(spring, level, curve)
+      type(piecewise_t), intent(in) :: spring
+      real(dp), intent(in) :: level
+      type(piecewise_t), intent(inout) :: curve
+      type(piecewise_t) :: before
+
+      before = spring
+      if (spacing > total + close) before = joined(before, constant(total, real(spacing, dp), level))
+      before%breaks = before%breaks - (m - 1)*spacing
+      curve = joined(before, curve)
+    end subroutine place_before
   end subroutine find_chords
 
   !> Splits the load of pair j at a row into springs.
@@ -133,7 +146,7 @@ contains
       length = at(1:) - at(:springs_of_pair - 1)
       slope = most*(begins(1:) - begins(:springs_of_pair - 1))/length
     end associate
-    ! What other pairs deflect of the bodies may take some of the rise away: the nearest slopes that do not fall.
+    ! Other pairs deflect the bodies too, so that a slope may fall. The nearest slopes that do not fall replace them all.
     ! Source: Barlow et al. 1972, Statistical Inference under Order Restrictions, max-min formula.
     slope = [(maxval([(minval([(dot_product(slope(m:n), length(m:n))/sum(length(m:n)), n=i, springs_of_pair)]), m=1, i)]), &
               i=1, springs_of_pair)]
@@ -141,8 +154,9 @@ contains
     step = length(:springs_of_pair - 1)
   end subroutine split_load
 
-  !> Fills in the places at which a pair does not carry, from the nearest ones at which it does: where it has no line of contact its
-  !> stiffness is 0, and where it does not touch, only its first spring is elsewhere.
+  !> Fills in the places at which a pair does not carry under any of the loads, by the nearest place at which it does. A pair
+  !> without a line of contact keeps its stiffness of 0; one whose line does not touch keeps the place where its first spring
+  !> touches.
   pure subroutine fill_gaps(is_known, stiffness, first, step)
     logical, intent(in) :: is_known(:)
     real(dp), intent(inout) :: stiffness(:, :), first(:), step(:, :)
@@ -203,15 +217,6 @@ contains
     curve%coef(:ubound(b%coef, 1), :) = curve%coef(:ubound(b%coef, 1), :) + b%coef
   end function sum_of
 
-  !> Curve at path coordinates that differ by a number of base pitches.
-  pure type(piecewise_t) function shifted(curve, by) result(moved)
-    type(piecewise_t), intent(in) :: curve
-    integer, intent(in) :: by
-
-    moved = curve
-    moved%breaks = moved%breaks + by
-  end function shifted
-
   !> Finds stiffness and profile error of a pair over its path coordinate, from 0 to the total contact ratio.
   pure subroutine find_springs(load, total, stiffness, profile_error)
     type(face_load_t), intent(in) :: load        !< load distribution over a mesh period
@@ -247,7 +252,8 @@ contains
     s(n) = total
     k(n) = 0
     e(n) = load%deflection(size(load%deflection))
-    ! Where the pair does not carry: e of the nearest place at which it does, as e changes little while K vanishes.
+    ! Where the pair does not carry, F/K is not known. There e is that of the nearest place at which the pair carries: towards the
+    ! ends of a pair's contact K falls to 0, while e hardly changes.
     do i = n - 1, 1, -1
       if (.not. k(i) > 0 .and. k(i + 1) > 0) e(i) = e(i + 1)
     end do
