@@ -45,7 +45,7 @@ module gearsweep_study_run_stages
     type(body_inputs_t) :: solid_inputs          !< inputs of its body in three dimensions
     type(faces_t) :: faces                       !< how the faces meet: misalignment, leads, shaft of the pinion
     type(face_load_t), allocatable :: face_loads(:)        !< load over the face width with each relief
-    type(face_mesh_t), allocatable :: face_mesh  !< what that depends on, with some relief
+    type(face_mesh_t), allocatable :: face_mesh  !< mesh over the face width, without relief; not allocated where not used
     type(elements_inputs_t), allocatable :: elements_inputs  !< inputs of the pair stiffness, if it is by finite elements
     type(teeth_t) :: teeth                       !< teeth by finite elements: those of this pair, and some of earlier studies
     type(mesh_t), allocatable :: mesh            !< mesh without relief

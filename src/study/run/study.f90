@@ -5,13 +5,13 @@ module gearsweep_study_run_study
   use gearsweep_base, only: claim_memory, dp, error_t, hold_blas, release_blas, release_claim, str, wants_stop
   use gearsweep_gear, only: drive, gear_t
   use gearsweep_elastic, only: material_t
-  use gearsweep_face, only: face_mesh_t, shaft_t
+  use gearsweep_face, only: shaft_t
   use gearsweep_motion, only: progress_of_sweep, untold
   use gearsweep_study_case_case, only: case_t, speed_count, speeds
   use gearsweep_study_case_key_names, only: name_key
   use gearsweep_study_case_published, only: read_published
   use gearsweep_study_case_task, only: stage, task_info_t, task_slot_t
-  use gearsweep_study_run_face_stage, only: build_faces, build_helical_motions, build_uneven_motions, find_face_loads
+  use gearsweep_study_run_face_stage, only: build_face_motions, build_faces, find_face_loads
   use gearsweep_study_run_files, only: path_in, read_text
   use gearsweep_study_run_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
   use gearsweep_study_run_mesh_stage, only: build_pair, mesh_and_motion
@@ -132,18 +132,16 @@ contains
   subroutine run_faces(study, error)
     type(study_t), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error
-    type(face_mesh_t) :: faces
     logical :: has_helical_motion
 
     associate (case => study%case)
       has_helical_motion = case%is_helical() .and. case%needs(stage%motion)
       if (has_helical_motion .or. case%has_uneven_motion() .or. case%needs_face_load()) &
-        call build_faces(study%stages_t, faces, error)
-      if (has_helical_motion) call build_helical_motions(study%stages_t, faces, study%motions_inputs, study%motion, error)
-      if (case%has_uneven_motion()) &
-        call build_uneven_motions(study%stages_t, faces, study%motions_inputs, study%uneven_motion, error)
-      if (case%needs_face_load()) call find_face_loads(study%stages_t, faces, study%face_loads, error)
-      if (case%requests('face_load')) study%face_mesh = faces
+        call build_faces(study%stages_t, study%face_mesh, error)
+      if (has_helical_motion) call build_face_motions(study%stages_t, .false., study%motion, error)
+      if (case%has_uneven_motion()) call build_face_motions(study%stages_t, .true., study%uneven_motion, error)
+      if (case%needs_face_load()) &
+        call find_face_loads(study%stages_t, [study%faces%alignment], study%face_loads, error)
     end associate
   end subroutine run_faces
 

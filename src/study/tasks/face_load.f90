@@ -1,10 +1,11 @@
 !> The task `face_load`: load distribution over the face width and the path of contact, and the face load factors.
 module gearsweep_study_tasks_face_load
-  use gearsweep_base, only: axis, claim_memory, dp, error_t, lines_t, piecewise_t, str, table_t
-  use gearsweep_face, only: alignment_t, face_load_t, face_mesh_t, find_face_load, iso_face_load_factor, iso_shaft_misalignment
+  use gearsweep_base, only: axis, dp, error_t, lines_t, piecewise_t, str, table_t
+  use gearsweep_face, only: alignment_t, face_load_t, iso_face_load_factor, iso_shaft_misalignment
   use gearsweep_mesh, only: iso_stiffness
   use gearsweep_study_case_task, only: stage, task_info_t
   use gearsweep_study_reader_reader, only: reader_t
+  use gearsweep_study_run_face_stage, only: find_face_loads
   use gearsweep_study_run_points, only: of_relief
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
@@ -160,31 +161,17 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     type(face_load_t), allocatable :: loads(:)
-    type(alignment_t), allocatable :: alignment(:)
-    type(face_mesh_t) :: mesh
-    integer :: i, k, n
+    type(alignment_t) :: alignment(size(misalignment))
+    integer :: i
 
+    alignment = stages%faces%alignment
+    alignment%misalignment = misalignment
+    call find_face_loads(stages, alignment, loads, error)
     if (allocated(error)) return
-    n = size(misalignment)
-    call claim_memory(2e5_dp*n*size(stages%amount), '&face_load misalignment_um: '//str(n)//' misalignments', error)
-    if (allocated(error)) return
-    mesh = stages%face_mesh
-    allocate (loads(n*size(stages%amount)), alignment(n*size(stages%amount)))
-    do i = 1, size(stages%amount)
-      mesh%profile_error = stages%profile_error_of(i)
-      do k = 1, n
-        associate (at => (i - 1)*n + k)
-          alignment(at) = stages%faces%alignment
-          alignment(at)%misalignment = misalignment(k)
-          call find_face_load(mesh, alignment(at), stages%load, loads(at), error, stages%faces%slices, stages%faces%shaft)
-          if (allocated(error)) return
-        end associate
-      end do
-    end do
     call table%over('face load factors over the misalignment, for each relief', error, &
                     axis('relief_um', 'um', of_relief, stages%amount), &
                     axis('misalignment_um', 'um', 'misalignment without lead slopes', misalignment))
-    call add_factors(stages, loads, alignment, table, error)
+    call add_factors(stages, loads, [(alignment, i=1, size(stages%amount))], table, error)
   end subroutine fill_misalignments
 
   !> Adds the face load factors of load distributions, and those of ISO 6336-1.
