@@ -30,8 +30,9 @@ contains
         ' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     end do
     if (case%prescribed) call check_prescribed(case, error)
-    if (case%needs_face_load()) call check_face(case, error)
-    if (case%has_uneven_motion()) call check_uneven_motion(case, error)
+    if (case%needs_face_load() .or. case%has_uneven_motion()) call check_face(case, error)
+    if (case%has_uneven_motion() .and. case%friction > 0) call fail(error, code_input, '&dynamics friction = '// &
+      str(case%friction)//': a sweep with an uneven load over the face has none; remove it, or &face and the leads')
     if (case%is_helical()) call check_helical(case, error)
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
@@ -65,16 +66,6 @@ contains
     if (case%friction > 0) call fail(error, code_input, '&dynamics friction = '//str(case%friction)// &
                                      ': of helical gears the motion has none; remove it')
   end subroutine check_helical
-
-  !> Refuses what the motion of faces that meet unevenly does not have.
-  subroutine check_uneven_motion(case, error)
-    type(case_t), intent(in) :: case
-    type(error_t), allocatable, intent(inout) :: error
-
-    call check_face(case, error)
-    if (case%friction > 0) call fail(error, code_input, '&dynamics friction = '//str(case%friction)// &
-      ': a sweep with an uneven load over the face has none; remove it, or &face and the leads')
-  end subroutine check_uneven_motion
 
   !> Refuses bodies and stiffnesses whose load over the face width is not known.
   subroutine check_face(case, error)
