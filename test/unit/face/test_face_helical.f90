@@ -11,7 +11,7 @@ module test_face_helical
   use gearsweep_face_load, only: face_load_t, face_mesh_t, find_face_load, make_face_mesh
   use gearsweep_face_springs, only: find_springs
   use gearsweep_motion_error_estimate, only: accuracy_t, point_t
-  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_motion_oscillator, only: mesh_period, oscillator_t
   use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
   use gearsweep_gear_pair, only: make_pair, pair_t
   use gearsweep_mesh_stiffness, only: iso_stiffness
@@ -21,6 +21,7 @@ module test_face_helical
     range_of, relieve
   use test_support_random_numbers, only: random_t
   use test_support_solve_one_point, only: solve
+  use test_support_springs_in_motion, only: march, set_in_motion, table_t, tabulate_springs
   use test_support_testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
@@ -247,10 +248,10 @@ contains
     call check_close(t, 'errors', maxval(abs(found(2)%error - found(1)%error))/maxval(found(1)%error), 0.0_dp, absolute=1e-12_dp)
   end subroutine hand
 
-  !> Oscillator of a pair of equal gears with these numbers, 100 N/mm and 25 teeth of 1 mm, and masses of 1 kg.
-  subroutine make_motion(t, helix_angle, damping_ratio, osc, load)
+  !> Oscillator of a pair of 25/25 teeth of 1 mm with a face width of 10 mm, under 100 N/mm.
+  subroutine make_motion(t, helix_angle, osc, load)
     type(tally_t), intent(inout) :: t
-    real(dp), intent(in) :: helix_angle, damping_ratio
+    real(dp), intent(in) :: helix_angle
     type(oscillator_t), intent(out) :: osc
     type(face_load_t), intent(out) :: load
     type(face_mesh_t) :: mesh
@@ -262,12 +263,7 @@ contains
     osc%mesh%contact_ratio = mesh%pair%contact_ratio + mesh%pair%overlap_ratio
     call find_springs(load, osc%mesh%contact_ratio, osc%mesh%stiffness, osc%mesh%profile_error)
     osc%mesh%reach = [0.0_dp, osc%mesh%contact_ratio]
-    osc%mesh%teeth = 25
-    osc%mass = 1
-    osc%load = 1e3_dp
-    osc%damping_ratio = damping_ratio
-    call make_oscillator(osc, error)
-    call check_no_error(t, 'oscillator', error)
+    call set_in_motion(t, 1e3_dp, osc)
   end subroutine make_motion
 
   !> The springs of all pairs carry the nominal load at the static deflection: within 0.02 % at each phase, and within 0.2 % between
@@ -279,7 +275,7 @@ contains
     real(dp) :: most(2), x, s
     integer :: i, j
 
-    call make_motion(t, 20.0_dp, 0.07_dp, osc, load)
+    call make_motion(t, 20.0_dp, osc, load)
     most = 0
     do i = 1, size(load%phase) - 1
       associate (middle => (load%phase(i) + load%phase(i + 1))/2)
@@ -315,82 +311,31 @@ contains
   subroutine resonance(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: angles(2) = [10.0_dp, 20.0_dp], expected(2) = [2.08_dp, 1.156_dp]
-    integer, parameter :: steps = 240, speeds = 56
+    integer, parameter :: speeds = 56
     type(oscillator_t) :: osc
     type(face_load_t) :: load
+    type(table_t) :: springs
     type(accuracy_t) :: options
     type(point_t) :: point
-    real(dp) :: stiffness(0:2*steps, 4), error(0:2*steps, 4), largest, of_pair, ratio, rpm
-    logical :: is_even                           ! one damping coefficient
-    integer :: i, j, k, pairs
+    real(dp) :: state(2), of(2), largest, rpm
+    integer :: i, k
 
     do i = 1, size(angles)
-      call make_motion(t, angles(i), 0.07_dp, osc, load)
-      pairs = 1 + int(osc%mesh%contact_ratio)
-      stiffness = 0
-      error = 0
-      do j = 1, pairs
-        do k = 0, 2*steps
-          associate (s => k/(2.0_dp*steps) + j - 1)
-            if (s > osc%mesh%contact_ratio) cycle
-            stiffness(k, j) = osc%mesh%stiffness%value(s)
-            error(k, j) = osc%mesh%profile_error%value(s)
-          end associate
-        end do
-      end do
+      call make_motion(t, angles(i), osc, load)
+      call tabulate_springs(osc, springs)
       largest = 0
-      is_even = .true.
       do k = 1, speeds
-        ratio = 0.2_dp + 1.1_dp*(k - 1)/(speeds - 1)
-        call march(2*pi/(ratio*osc%natural_frequency))
+        state = [osc%mean_deflection, 0.0_dp]
+        call march(osc, springs, 2*pi/((0.2_dp + 1.1_dp*(k - 1)/(speeds - 1))*osc%natural_frequency), .true., state, of)
+        largest = max(largest, of(1))
       end do
       call check_close(t, 'largest force at '//str(angles(i))//' deg', largest - 1, expected(i) - 1, 0.06_dp)
-      ratio = 0.7_dp
-      is_even = .false.
-      rpm = ratio*osc%natural_frequency*60/(2*pi*25)
-      call march(mesh_period(25, rpm))
-      call solve(osc, rpm, options, point)
-      call check_close(t, 'dynamic factor at '//str(angles(i))//' deg', point%dynamic_factor, of_pair, 2e-4_dp)
-    end do
-
-  contains
-
-    !> Marches 80 mesh periods of this duration (s), and finds the largest force of the mesh and of a pair in the last.
-    subroutine march(duration)
-      real(dp), intent(in) :: duration
-      real(dp) :: state(2), rate(2, 4), h, pair(4)
-      integer :: period, step
-
+      rpm = 0.7_dp*osc%natural_frequency*60/(2*pi*25)
       state = [osc%mean_deflection, 0.0_dp]
-      h = duration/steps
-      of_pair = 0
-      do period = 1, 80
-        do step = 0, steps - 1
-          rate(:, 1) = change(2*step, state)
-          rate(:, 2) = change(2*step + 1, state + h/2*rate(:, 1))
-          rate(:, 3) = change(2*step + 1, state + h/2*rate(:, 2))
-          rate(:, 4) = change(2*step + 2, state + h*rate(:, 3))
-          state = state + h/6*(rate(:, 1) + 2*rate(:, 2) + 2*rate(:, 3) + rate(:, 4))
-          if (period < 80) cycle
-          pair = max(0.0_dp, stiffness(2*step + 2, :)*(state(1) - error(2*step + 2, :)))
-          largest = max(largest, sum(pair)/osc%load)
-          of_pair = max(of_pair, maxval(pair)/osc%load)
-        end do
-      end do
-    end subroutine march
-
-    !> Derivative of deflection and its rate at a half step.
-    pure function change(at, state) result(rate)
-      integer, intent(in) :: at
-      real(dp), intent(in) :: state(2)
-      real(dp) :: rate(2), k(4)
-
-      k = merge(stiffness(at, :), 0.0_dp, state(1) > error(at, :))
-      associate (mobility => sum(1/osc%mass))
-        rate = [state(2), mobility*(osc%load - sum(k*(state(1) - error(at, :)))) &
-                - 2*osc%damping_ratio*merge(osc%natural_frequency, sqrt(mobility*sum(k)), is_even)*state(2)]
-      end associate
-    end function change
+      call march(osc, springs, mesh_period(25, rpm), .false., state, of)
+      call solve(osc, rpm, options, point)
+      call check_close(t, 'dynamic factor at '//str(angles(i))//' deg', point%dynamic_factor, of(2), 2e-4_dp)
+    end do
   end subroutine resonance
 
   !> A helix of a hundredth of a degree moves as a spur pair, whose shared compliance is a term of its own, with each relief; its

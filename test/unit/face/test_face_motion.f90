@@ -4,17 +4,15 @@ module test_face_motion
   use gearsweep_base_error, only: error_t
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_base_text, only: str
-  use gearsweep_elastic_fe_stiffness, only: fe_options_t
-  use gearsweep_elastic_material, only: material_t
   use gearsweep_face_alignment, only: alignment_t, lead_t
-  use gearsweep_face_load, only: face_mesh_t, find_pair_loads, make_face_mesh, pair_loads_t
+  use gearsweep_face_load, only: face_mesh_t, find_pair_loads, pair_loads_t
   use gearsweep_face_springs, only: chord_loads, find_chords, springs_of_pair
-  use gearsweep_gear_gear, only: gear_spec_t, gear_t, make_gear
-  use gearsweep_gear_pair, only: free_centre_distance, make_pair, pair_t
   use gearsweep_motion_error_estimate, only: accuracy_t, point_t
-  use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_motion_oscillator, only: mesh_period, oscillator_t
   use test_support_ask_by_name, only: answer_t, ask, refusal
+  use test_support_faces, only: make_faces
   use test_support_solve_one_point, only: solve
+  use test_support_springs_in_motion, only: add_up, march, set_in_motion, steps, table_t, tabulate_springs
   use test_support_testing, only: tally_t, check_true, check_close, check_no_error
   implicit none
   private
@@ -40,13 +38,6 @@ module test_face_motion
     given_t('crowned by 5 um', 0.0_dp, 0.0_dp, 5.0_dp, 3.87_dp, 3.85_dp, 0.09_dp), &
     given_t('helical, misaligned', 20.0_dp, 15.0_dp, 0.0_dp, 1.84_dp, 1.83_dp, 0.0_dp)]
 
-  !> The mesh's force over deflection at the half steps of a mesh period.
-  integer, parameter :: steps = 200
-  type :: table_t
-    real(dp), allocatable :: deflection(:, :)    !< m; (load, half step)
-    real(dp), allocatable :: force(:, :, :)      !< N; (load, pair, half step)
-  end type table_t
-
 contains
 
   subroutine run(t)
@@ -65,29 +56,13 @@ contains
     type(given_t), intent(in) :: of
     type(face_mesh_t), intent(out) :: mesh
     type(alignment_t), intent(out) :: alignment
-    type(gear_spec_t) :: spec
-    type(gear_t) :: gear(2)
-    type(pair_t) :: pair
-    type(material_t) :: steel(2)
-    type(error_t), allocatable :: error
-    integer :: i
 
-    do i = 1, 2
-      spec%teeth = 25
-      spec%module = 1e-3_dp
-      spec%face_width = 10e-3_dp
-      spec%helix_angle = of%helix_angle*pi/180*merge(1, -1, i == 1)
-      call make_gear(spec, gear(i), error)
-      call check_no_error(t, 'gear', error)
-    end do
-    call make_pair(gear(1), gear(2), free_centre_distance(gear(1), gear(2)), pair, error)
-    call make_face_mesh(pair, steel, fe_options_t(), mesh, error)
-    call check_no_error(t, 'face', error)
+    call make_faces(t, [25, 25], [0.0_dp, 0.0_dp], 1.0_dp, 10.0_dp, mesh, helix_angle=of%helix_angle)
     alignment%misalignment = of%misalignment*1e-6_dp
     alignment%lead(1) = lead_t(crowning=of%crowning*1e-6_dp)
   end subroutine make
 
-  !> Oscillator with several springs a pair, and masses of 1 kg.
+  !> Oscillator with several springs a pair.
   subroutine make_motion(t, mesh, alignment, osc)
     type(tally_t), intent(inout) :: t
     type(face_mesh_t), intent(in) :: mesh
@@ -103,16 +78,12 @@ contains
       own%spacing = ceiling(own%contact_ratio)
       own%reach = [-real((springs_of_pair - 1)*own%spacing, dp), own%contact_ratio]
       call find_chords(loads, own%contact_ratio, own%spacing, own%stiffness, own%profile_error)
-      own%teeth = 25
     end associate
-    osc%mass = 1
-    osc%load = load
-    osc%damping_ratio = 0.07_dp
-    call make_oscillator(osc, error)
-    call check_no_error(t, 'oscillator', error)
+    call set_in_motion(t, load, osc)
   end subroutine make_motion
 
-  !> Loads of the pairs over the deflection by the load distribution under many loads, at the half steps of a period.
+  !> Tabulates the loads of the pairs over the deflection at the half steps of a mesh period. They follow from the load distribution
+  !> under 28 loads, from 0.01 to 5 times the static one, interpolated linearly between its phases.
   subroutine tabulate(t, mesh, alignment, table)
     type(tally_t), intent(inout) :: t
     type(face_mesh_t), intent(in) :: mesh
@@ -136,94 +107,6 @@ contains
       table%force(1:, :, k) = (1 - part)*loads%load(:, :, i) + part*loads%load(:, :, i + 1)
     end do
   end subroutine tabulate
-
-  !> Loads of the pairs at a half step and a deflection (m), and the mesh's tangent stiffness (N/m).
-  pure subroutine look_up(table, at, x, force, stiffness)
-    type(table_t), intent(in) :: table
-    integer, intent(in) :: at
-    real(dp), intent(in) :: x
-    real(dp), intent(out) :: force(:), stiffness
-    integer :: low, high, middle
-
-    force = 0
-    stiffness = 0
-    associate (d => table%deflection(:, at))
-      low = lbound(table%deflection, 1)
-      high = ubound(table%deflection, 1)
-      if (.not. x > table%deflection(low, at)) return
-      do while (high - low > 1)
-        middle = (low + high)/2
-        if (x < table%deflection(middle, at)) then
-          high = middle
-        else
-          low = middle
-        end if
-      end do
-      associate (left => table%deflection(low, at), right => table%deflection(high, at), f => table%force(low, :, at), &
-                 g => table%force(high, :, at))
-        force = f + (g - f)*(x - left)/(right - left)
-        stiffness = sum(g - f)/(right - left)
-      end associate
-    end associate
-  end subroutine look_up
-
-  !> Loads of the springs of each pair at a half step and a deflection (m), and their stiffness (N/m).
-  pure subroutine add_up(osc, at, x, force, stiffness)
-    type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: at
-    real(dp), intent(in) :: x
-    real(dp), intent(out) :: force(:), stiffness
-    real(dp) :: s
-    integer :: j, m
-
-    force = 0
-    stiffness = 0
-    do j = 1, size(force)
-      do m = 0, springs_of_pair - 1
-        s = at/(2.0_dp*steps) + (j - 1) - m*osc%mesh%spacing
-        if (at == 0) s = s + 1e-9_dp
-        if (s + m*osc%mesh%spacing > osc%mesh%contact_ratio) cycle
-        associate (e => osc%mesh%profile_error%value(s), k => osc%mesh%stiffness%value(s))
-          if (.not. x > e) cycle
-          force(j) = force(j) + k*(x - e)
-          stiffness = stiffness + k
-        end associate
-      end do
-    end do
-  end subroutine add_up
-
-  !> The springs' table: at each half step the corners of all pairs' polygons.
-  pure subroutine tabulate_springs(osc, table)
-    type(oscillator_t), intent(in) :: osc
-    type(table_t), intent(out) :: table
-    real(dp) :: corner(springs_of_pair*osc%mesh%spacing + 1), s, slope
-    integer :: at, i, j, m, n
-
-    associate (p => osc%mesh%spacing)
-      allocate (table%deflection(size(corner), 0:2*steps), table%force(size(corner), p, 0:2*steps))
-      do at = 0, 2*steps
-        n = 0
-        do j = 1, p
-          do m = 0, springs_of_pair - 1
-            s = at/(2.0_dp*steps) + (j - 1) - m*p
-            n = n + 1
-            corner(n) = osc%mesh%profile_error%value(min(s, osc%mesh%contact_ratio - m*p))
-          end do
-        end do
-        corner(n + 1) = maxval(corner(:n)) + 1
-        do i = 2, n
-          do j = i, 2, -1
-            if (corner(j) >= corner(j - 1)) exit
-            corner(j - 1:j) = corner([j, j - 1])
-          end do
-        end do
-        table%deflection(:, at) = corner
-        do i = 1, size(corner)
-          call add_up(osc, at, corner(i), table%force(i, :, at), slope)
-        end do
-      end do
-    end associate
-  end subroutine tabulate_springs
 
   !> The springs of a pair follow its load over the deflection up to 2.8 times the static load, as closely as chords of a load that
   !> grows with the square of the deflection, the largest power of a misaligned face: the widest, from 1.6 to 2.8, is off by
@@ -393,47 +276,4 @@ contains
       call check_true(t, words, index(message, words) > 0, message)
     end subroutine expect
   end subroutine refused
-
-  !> Marches 60 mesh periods of this duration (s) by the classical Runge-Kutta method, and finds the largest force of the mesh and
-  !> of a pair over the load in the last three.
-  subroutine march(osc, table, duration, is_even, state, largest)
-    type(oscillator_t), intent(in) :: osc
-    type(table_t), intent(in) :: table
-    real(dp), intent(in) :: duration
-    logical, intent(in) :: is_even               ! one damping coefficient, not that of the stiffness of the moment
-    real(dp), intent(inout) :: state(2)
-    real(dp), intent(out) :: largest(2)
-    real(dp) :: rate(2, 4), h, force(size(table%force, 2)), stiffness
-    integer :: period, step
-
-    h = duration/steps
-    largest = 0
-    do period = 1, 60
-      do step = 0, steps - 1
-        rate(:, 1) = change(2*step, state)
-        rate(:, 2) = change(2*step + 1, state + h/2*rate(:, 1))
-        rate(:, 3) = change(2*step + 1, state + h/2*rate(:, 2))
-        rate(:, 4) = change(2*step + 2, state + h*rate(:, 3))
-        state = state + h/6*(rate(:, 1) + 2*rate(:, 2) + 2*rate(:, 3) + rate(:, 4))
-        if (period < 58) cycle
-        call look_up(table, 2*step + 2, state(1), force, stiffness)
-        largest = max(largest, [sum(force), maxval(force)]/osc%load)
-      end do
-    end do
-
-  contains
-
-    !> Derivative of deflection and its rate at a half step.
-    pure function change(at, state) result(rate)
-      integer, intent(in) :: at
-      real(dp), intent(in) :: state(2)
-      real(dp) :: rate(2), force(size(table%force, 2)), stiffness
-
-      call look_up(table, at, state(1), force, stiffness)
-      associate (mobility => sum(1/osc%mass))
-        rate = [state(2), mobility*(osc%load - sum(force)) &
-                - 2*osc%damping_ratio*merge(osc%natural_frequency, sqrt(mobility*stiffness), is_even)*state(2)]
-      end associate
-    end function change
-  end subroutine march
 end module test_face_motion
