@@ -14,7 +14,7 @@ module gearsweep_base_lapack
       integer, intent(out) :: ipiv(n), info
     end subroutine dgesv
 
-    !> Sorts numbers: `id` is 'I' for ascending, 'D' for descending.
+    !> Sorts numbers in ascending order (`id` 'I') or in descending order ('D').
     pure subroutine dlasrt(id, n, d, info)
       import :: dp
       character, intent(in) :: id
@@ -32,7 +32,7 @@ module gearsweep_base_lapack
       integer, intent(out) :: info
     end subroutine dposv
 
-    !> Factors a Hermitian positive definite matrix (Cholesky).
+    !> Computes the Cholesky factor of a Hermitian positive definite matrix.
     pure subroutine zpotrf(uplo, n, a, lda, info)
       import :: dp
       character, intent(in) :: uplo
@@ -41,7 +41,7 @@ module gearsweep_base_lapack
       integer, intent(out) :: info
     end subroutine zpotrf
 
-    !> Solves with the factor by `zpotrf`.
+    !> Solves a Hermitian positive definite system with the factor of its matrix that `zpotrf` computed.
     pure subroutine zpotrs(uplo, n, nrhs, a, lda, b, ldb, info)
       import :: dp
       character, intent(in) :: uplo

@@ -91,10 +91,10 @@ contains
     end if
   end subroutine make_gear
 
-  !> Makes the virtual gear of a helical gear: the spur gear of its normal section, whose rack is the same. It has
-  !> z_n = z/(cos(beta_b)**2 cos(beta)) teeth (ISO 21771:2007, section 4); `is_whole`: rounded, for a complete body. The tip is as
-  !> far from the reference circle as the gear's; the bore has the same ratio to that circle, so that the body rotates as much
-  !> under a moment.
+  !> Makes the virtual gear of a helical gear: the spur gear of the normal section, with the same rack. Its number of teeth is
+  !> z_n = z/(cos(beta_b)**2 cos(beta)) (ISO 21771:2007, section 4); with `is_whole` it is rounded, as a complete body has a whole
+  !> number of teeth. Both gears have the same tip height above the reference circle, and the same ratio of bore to reference
+  !> diameter, so that both bodies rotate by the same angle under a moment.
   subroutine make_virtual_gear(gear, is_whole, virtual, error)
     type(gear_t), intent(in) :: gear
     logical, intent(in) :: is_whole

@@ -22,9 +22,9 @@ module gearsweep_mesh_mesh
     !> Path coordinates between which a pair may be in contact: the first at most 0 (A), the second at least the contact ratio
     !> (E). Both curves cover all of it. Beyond A and E the tip corner of one gear touches.
     real(dp) :: reach(2) = 0
-    !> 0: a pair is one spring. Else a pair is several springs in parallel with stiffness and profile error each: those of the
-    !> one that touches first at its path coordinate, of the next at this number of base pitches before it, and so on as far as
-    !> the `reach`, which begins at a multiple of it. Springs have no stiffness where their pair is past E.
+    !> Base pitches from one spring of a pair to the next on both curves; 0: a pair is one spring. Several springs in parallel stand
+    !> for a pair whose load is not linear in its deflection. The one that touches first is at the path coordinate s of the pair,
+    !> the next at s - spacing, and so on to the begin of `reach`, a multiple of the spacing. Past E their stiffness is 0.
     integer :: spacing = 0
     type(piecewise_t) :: stiffness               !< K(s) of one pair between the turning discs, N/m
     type(disc_t) :: disc                         !< deflection of the discs under all pairs together

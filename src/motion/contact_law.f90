@@ -140,7 +140,7 @@ contains
     end do
   end subroutine find_response
 
-  !> Adds up the springs of each pair that are in contact on the last of them, which touches first.
+  !> Assigns the load of all springs of a pair in contact to the last of them, which touches first.
   pure subroutine join_springs(contact_set, spacing, stiffness, effective, weight)
     integer, intent(in) :: contact_set, spacing
     real(dp), intent(in) :: stiffness(0:, :)     !< 0 for a spring that is open; (derivative, spring)
