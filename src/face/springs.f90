@@ -42,8 +42,8 @@ contains
     ! At each place of a pair: the stiffness of its springs, N/m, where the first touches, and the distance to the next, m.
     real(dp) :: k(springs_of_pair, size(loads%touching)), step(springs_of_pair - 1, size(loads%touching))
     real(dp), dimension(size(loads%touching)) :: s, first
+    logical, dimension(size(loads%touching)) :: is_known, ends
     type(piecewise_t) :: e
-    logical, dimension(size(s)) :: is_known, ends
     real(dp) :: beyond
     integer :: i, j, m, n, row
 
