@@ -12,7 +12,7 @@ module test_support_springs_in_motion
   public :: table_t, steps, set_in_motion, tabulate_springs, add_up, march
 
   !> Steps of a mesh period.
-  integer, parameter :: steps = 240
+  integer, parameter :: steps = 200
 
   !> Loads of the pairs over the deflection at the half steps of a mesh period.
   type :: table_t
