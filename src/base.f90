@@ -25,8 +25,8 @@ module gearsweep_base
   ! Gauss-Legendre quadrature.
   use gearsweep_base_quadrature, only: gauss_legendre
   ! The polynomial of fifth degree through value, first and second derivative at both ends of a step.
-  use gearsweep_base_quintic, only: bounds_of, derivative_of, first_zero, maximum_of, may_cross_zero, over_part, place_of_largest, &
-    quintic, value_of
+  use gearsweep_base_quintic, only: bounds_of, derivative_of, evaluate, first_zero, maximum_of, may_cross_zero, over_part, &
+    place_of_largest, quintic, value_of
   ! Random numbers that are the same on every machine.
   use gearsweep_base_random_stream, only: begin_stream, random_stream_t
   ! Systems of a few linear equations, solved at each place of a motion.

@@ -5,7 +5,8 @@ module gearsweep_base_quintic
   use gearsweep_base_kinds, only: dp
   implicit none
   private
-  public :: quintic, bounds_of, value_of, derivative_of, maximum_of, over_part, place_of_largest, first_zero, may_cross_zero
+  public :: quintic, bounds_of, value_of, derivative_of, evaluate, over_part
+  public :: maximum_of, place_of_largest, first_zero, may_cross_zero
 
 contains
 
@@ -52,6 +53,16 @@ contains
 
     derivative_of = (((5*c(5)*t + 4*c(4))*t + 3*c(3))*t + 2*c(2))*t + c(1)
   end function derivative_of
+
+  !> Value and first derivative at t.
+  pure subroutine evaluate(c, t, value, derivative)
+    real(dp), intent(in) :: c(0:5)     !< coefficients
+    real(dp), intent(in) :: t          !< place, 0 to 1
+    real(dp), intent(out) :: value, derivative
+
+    value = value_of(c, t)
+    derivative = derivative_of(c, t)
+  end subroutine evaluate
 
   !> Value, first and second derivative of a polynomial of any degree at two places, over the part between them; (0:2, place).
   pure function over_part(c, places) result(f)

@@ -4,11 +4,11 @@
 !> uses that set's propagator over the whole step. Where damping or a long step forbids that, it continues in parts of the step,
 !> from the event on, each with a propagator of its own. Motions of a batch whose contact sets are the same share all this.
 module gearsweep_motion_contact_events
-  use gearsweep_base, only: derivative_of, dp, first_zero, maximum_of, may_cross_zero, quintic, value_of
+  use gearsweep_base, only: derivative_of, dp, evaluate, first_zero, maximum_of, may_cross_zero, quintic, value_of
   use gearsweep_motion_coefficients, only: need_law
   use gearsweep_motion_contact_set, only: in_contact, period_t, record_contact, set_contact
-  use gearsweep_motion_dense_step, only: by_force, by_place, by_speed, evaluate, is_smooth, motions_from, need_dense_part, &
-    need_dense_step
+  use gearsweep_motion_dense_step, only: by_force, by_place, by_speed, is_smooth, motions_from, need_dense_part, need_dense_step, &
+    states_at
   use gearsweep_motion_gauss, only: batch_size
   use gearsweep_motion_integrator, only: arc_t, integrator_t, motion_in, note_arc, raise_coast, record_part
   use gearsweep_motion_load_peaks, only: curve_over, in_part
@@ -23,13 +23,15 @@ module gearsweep_motion_contact_events
   !> chatters.
   integer, parameter :: most_events = 40, most_extra = 1000
 
+  !> Longest step over which a motion is extrapolated, rad of the natural motion: the polynomial's error is some (1.5/2)^8/8! there.
+  real(dp), parameter :: longest_extrapolated = 1.5_dp
+
   !> Computing time of an event, in steps.
   real(dp), parameter :: cost = 1
 
-  !> Motions of a batch in one step, from one event to the next. Places run from 0 to 1 over the step.
+  !> Motions of a batch between two events of one step. Places run from 0 to 1 over the step.
   type :: motions_t
-    integer :: step
-    logical :: extrapolates                      !< propagators over the whole step serve from an event on
+    logical, dimension(batch_size) :: extrapolates       !< after an event the motion uses propagators of the whole step
     logical, dimension(batch_size) :: active     !< the end of the step is not reached
     logical, dimension(batch_size) :: found      !< contact has changed
     integer, dimension(batch_size) :: events     !< number of changes
@@ -64,7 +66,7 @@ contains
       do while (motions%active(l))
         arc%contact_set = state%contact_set(l)
         arc%alike = motions%active .and. state%contact_set == arc%contact_set .and. &
-                    (motions%width >= 1 .eqv. motions%width(l) >= 1)
+                    (motions%extrapolates .eqv. motions%extrapolates(l)) .and. (motions%width >= 1 .eqv. motions%width(l) >= 1)
         arc%from = motions%from
         arc%left = motions%left
         arc%width = motions%width
@@ -89,8 +91,8 @@ contains
     type(integrator_t), intent(in) :: state
     type(motions_t), intent(out) :: motions
 
-    motions%step = step
-    motions%extrapolates = is_smooth(map, step)
+    motions%extrapolates = is_smooth(map, step) .and. &
+                           .not. map%osc%highest_frequency*map%duration*map%table%width(step) > longest_extrapolated
     motions%active = state%changes
     motions%active(map%speeds + 1:) = .false.
     motions%found = .false.
@@ -119,7 +121,7 @@ contains
       longest = min(1.0_dp, decay/(damping(map%osc, map%osc%highest_frequency)*map%duration(l)*map%table%width(step)))
   end function longest_part
 
-  !> Finds the contact that changes first in each motion of an arc, and where, by the overlaps at both ends.
+  !> Finds the next event of each motion of an arc: the contact that changes, and an estimate of the place.
   pure subroutine find_next(map, state, arc, motions)
     type(period_map_t), intent(inout) :: map
     type(integrator_t), intent(in) :: state
@@ -131,8 +133,8 @@ contains
 
     call need_law(map%osc, arc%step, arc%contact_set, map%table, law)
     arc%to = arc%left + arc%width
-    call evaluate(map%speeds, arc%c, (arc%from - arc%left)/arc%width, x(:, 1), v(:, 1))
-    call evaluate(map%speeds, arc%c, (arc%to - arc%left)/arc%width, x(:, 2), v(:, 2))
+    call states_at(map%speeds, arc%c, (arc%from - arc%left)/arc%width, x(:, 1), v(:, 1))
+    call states_at(map%speeds, arc%c, (arc%to - arc%left)/arc%width, x(:, 2), v(:, 2))
     motions%contact = 0
     motions%place = arc%to
     motions%behind = arc%to
@@ -142,8 +144,8 @@ contains
       do l = 1, map%speeds
         if (.not. arc%alike(l)) cycle
         associate (from => arc%from(l), to => arc%to(l), sense => state%contacts(j)%sense(l))
-          call evaluate_quintic(touching, from, touch(1), turn(1))
-          call evaluate_quintic(touching, to, touch(2), turn(2))
+          call evaluate(touching, from, touch(1), turn(1))
+          call evaluate(touching, to, touch(2), turn(2))
           overlap = sense*(x(l, :) - touch)
           ! Rounding must not decide on which side of zero a contact is that has just changed.
           if (btest(motions%changed(l), j - 1)) overlap(1) = 0
@@ -161,7 +163,8 @@ contains
     end do
   end subroutine find_next
 
-  !> Finds which of some contacts changes first in a motion, and where, by the overlaps at both ends of the arc.
+  !> Finds which of two contacts changes first in a motion, and an estimate of the place, on quintics through the overlaps at the
+  !> ends of the arc.
   pure subroutine place_first(map, arc, l, law, contacts, state, motions)
     type(period_map_t), intent(in) :: map
     type(arc_t), intent(in) :: arc
@@ -187,8 +190,8 @@ contains
         if (.not. found) then
           ! Where contact changes for a short time, the polynomial of the motion decides, at the least value of the quintic.
           at = from + maximum_of(c)*(to - from)
-          call evaluate(map%speeds, arc%c, (spread(at, 1, batch_size) - arc%left)/arc%width, x, v)
-          call evaluate_quintic(curve_over(table%touching(:, j, :, law), table%width(arc%step)), at, touch, turn)
+          call states_at(map%speeds, arc%c, (spread(at, 1, batch_size) - arc%left)/arc%width, x, v)
+          call evaluate(curve_over(table%touching(:, j, :, law), table%width(arc%step)), at, touch, turn)
           found = sense*(x(l) - touch) < 0
         end if
         if (.not. found) cycle
@@ -217,9 +220,12 @@ contains
     integer :: l
 
     alike = arc%alike .and. motions%contact > 0
-    do l = 1, merge(0, map%speeds, motions%extrapolates)
+    do l = 1, map%speeds
+      if (.not. alike(l) .or. motions%extrapolates(l) .or. motions%width(l) < 1) cycle
       part = longest_part(map, arc%step, l)
-      if (.not. alike(l) .or. motions%found(l) .or. part >= motions%width(l)) cycle
+      ! The part ends a little behind the event, where its propagator is most exact.
+      if (is_smooth(map, arc%step)) part = min(part, 1.01_dp*motions%place(l))
+      if (part >= 1) cycle
       ! The step is repeated in parts.
       motions%found(l) = .true.
       motions%v(l) = motions%v(l)*part
@@ -259,13 +265,13 @@ contains
     low = arc%from
     high = motions%behind
     do iteration = 1, most_iterations
-      call evaluate(map%speeds, arc%c, (motions%place - arc%left)/arc%width, x, v)
+      call states_at(map%speeds, arc%c, (motions%place - arc%left)/arc%width, x, v)
       longest = 0
       do l = 1, map%speeds
         if (.not. arc%alike(l)) cycle
         place = motions%place(l)
         associate (sense => state%contacts(contact)%sense(l))
-          call evaluate_quintic(touching, place, touch, turn)
+          call evaluate(touching, place, touch, turn)
           overlap = sense*(x(l) - touch)
           slope = sense*(v(l)/arc%width(l) - turn)
         end associate
@@ -284,7 +290,7 @@ contains
     where (arc%alike) motions%place = min(motions%place + beyond, arc%to)
   end subroutine find_places
 
-  !> Opens or closes a contact at the places found: finds the motions' states there, and those from which they continue.
+  !> Opens or closes a contact at the places found.
   pure subroutine cross(map, arc, contact, which, motions, state, period)
     type(period_map_t), intent(inout) :: map
     type(arc_t), intent(in) :: arc
@@ -294,12 +300,52 @@ contains
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period(:)
     real(dp), parameter :: same = 1e-9_dp        ! events so near are at one place
-    real(dp), dimension(batch_size) :: u, x, v, x1, v1, x2, v2, f, g
-    real(dp) :: of_event(4), touching(0:5), k1(0:5), k2(0:5), approach, turn, det
-    integer :: before, behind, i, l, law, contact_set
+    real(dp) :: approach(batch_size)
+    integer :: l, contact_set
 
     contact_set = ieor(arc%contact_set, ibset(0, contact - 1))
-    associate (n => map%speeds, step => arc%step, table => map%table, p => motions%derivative)
+    call reach(map, arc, contact, contact_set, which, motions, approach)
+    do l = 1, map%speeds
+      if (.not. arc%alike(l)) cycle
+      call set_contact(map%osc, l, contact, .not. in_contact(arc%contact_set, contact), state%contact_set(l), &
+                       state%contacts(contact))
+      call record_contact(map%osc, contact_set, map%table%full(arc%step), map%table%between(arc%step), period(l))
+      motions%found(l) = .true.
+      ! Pairs without profile error part and meet at one place.
+      if (arc%to(l) - motions%from(l) > same) motions%changed(l) = 0
+      motions%changed(l) = ibset(motions%changed(l), contact - 1)
+      motions%events(l) = motions%events(l) + 1
+      motions%from(l) = arc%to(l)
+      period(l)%events = period(l)%events + 1
+      period(l)%work = period(l)%work + cost
+      period(l)%failed = period(l)%failed .or. chatters(map, l, motions, period(l)) .or. &
+                         excites(map, arc%step, l, abs(approach(l)), arc%to(l))
+      motions%active(l) = .not. period(l)%failed
+    end do
+    if (any(arc%alike .and. motions%extrapolates)) then
+      call extrapolate(map, arc, contact_set, motions)
+    else
+      do l = 1, map%speeds
+        if (arc%alike(l)) call begin_part(map, arc%step, l, arc%to(l), motions)
+      end do
+    end if
+  end subroutine cross
+
+  !> Computes the motions' states at their events and the derivatives of these, over the step.
+  pure subroutine reach(map, arc, contact, contact_set, which, motions, approach)
+    type(period_map_t), intent(inout) :: map
+    type(arc_t), intent(in) :: arc
+    integer, intent(in) :: contact               !< the contact that changes
+    integer, intent(in) :: contact_set           !< contact set after the event
+    integer, intent(in) :: which                 !< index of the arc's polynomials
+    type(motions_t), intent(inout) :: motions
+    real(dp), intent(out) :: approach(batch_size)        !< relative speed of the flanks, m over the step
+    real(dp), dimension(batch_size) :: u, x0, v0, x1, v1, x2, v2
+    real(dp), dimension(0:5) :: touching, k1, k2
+    real(dp) :: jump
+    integer :: before, l, law
+
+    associate (n => map%speeds, step => arc%step, table => map%table, v => motions%v, p => motions%derivative)
       call need_law(map%osc, step, arc%contact_set, map%table, law)
       touching = curve_over(table%touching(:, contact, :, law), table%width(step))
       k1 = curve_over(table%end_omega_squared(:, :, law), table%width(step))
@@ -307,72 +353,75 @@ contains
       k2 = curve_over(table%end_omega_squared(:, :, law), table%width(step))
       before = which
       ! Another contact's change may have replaced them.
-      if (motions%extrapolates) call need_dense_step(map, step, arc%contact_set, before)
+      if (any(arc%alike .and. motions%extrapolates)) call need_dense_step(map, step, arc%contact_set, before)
       u = (arc%to - arc%left)/arc%width
-      call evaluate(n, arc%c, u, x, v)
-      call evaluate(n, map%dense(before)%c(:, :, by_place), u, x1, v1)
-      call evaluate(n, map%dense(before)%c(:, :, by_speed), u, x2, v2)
+      call states_at(n, map%dense(before)%c(:, :, by_place), u, x1, v1)
+      call states_at(n, map%dense(before)%c(:, :, by_speed), u, x2, v2)
+      call states_at(n, arc%c, u, x0, v0)
+      approach = 0
       do l = 1, n
         if (.not. arc%alike(l)) cycle
         associate (place => arc%to(l), width => arc%width(l))
-          approach = v(l)/width - derivative_of(touching, place)
-          of_event = [x1(l)*p(l, 1) + x2(l)*p(l, 2), (v1(l)*p(l, 1) + v2(l)*p(l, 2))/width, &
-                      x1(l)*p(l, 3) + x2(l)*p(l, 4), (v1(l)*p(l, 3) + v2(l)*p(l, 4))/width]
+          motions%x(l) = x0(l)
+          v(l) = v0(l)/width
+          approach(l) = v(l) - derivative_of(touching, place)
+          p(l, :) = [x1(l)*p(l, 1) + x2(l)*p(l, 2), (v1(l)*p(l, 1) + v2(l)*p(l, 2))/width, &
+                     x1(l)*p(l, 3) + x2(l)*p(l, 4), (v1(l)*p(l, 3) + v2(l)*p(l, 4))/width]
+          if (.not. abs(approach(l)) > 0) cycle
           ! Only damping jumps with the contact; it enters by the derivative of the event's place (saltation).
-          if (abs(approach) > 0) then
-            turn = damping(map%osc, map%duration(l)*table%width(step))*(sqrt(max(0.0_dp, value_of(k2, place))) - &
-                                                                        sqrt(max(0.0_dp, value_of(k1, place))))
-            of_event(2::2) = of_event(2::2) - turn*v(l)/(width*approach)*of_event(1::2)
-          end if
-          p(l, :) = of_event
-          v(l) = v(l)/width
-          call set_contact(map%osc, l, contact, .not. in_contact(arc%contact_set, contact), state%contact_set(l), &
-                           state%contacts(contact))
-          call record_contact(map%osc, contact_set, table%full(step), table%between(step), period(l))
-          motions%found(l) = .true.
-          ! Pairs without profile error part and meet at one place.
-          if (place - motions%from(l) > same) motions%changed(l) = 0
-          motions%changed(l) = ibset(motions%changed(l), contact - 1)
-          motions%events(l) = motions%events(l) + 1
-          motions%from(l) = place
-          period(l)%events = period(l)%events + 1
-          period(l)%work = period(l)%work + cost
-          period(l)%failed = period(l)%failed .or. chatters(map, l, motions, period(l)) .or. &
-                             excites(map, step, l, abs(approach), place)
-          motions%active(l) = .not. period(l)%failed
-          if (motions%extrapolates) cycle
-          motions%left(l) = place
-          motions%width(l) = max(tiny(place), min(1 - place, longest_part(map, step, l)))
-          motions%x(l) = x(l)
-          motions%v(l) = v(l)*motions%width(l)
-          p(l, 2::2) = p(l, 2::2)*motions%width(l)
+          jump = damping(map%osc, map%duration(l)*table%width(step))*(sqrt(max(0.0_dp, value_of(k2, place))) - &
+                                                                      sqrt(max(0.0_dp, value_of(k1, place))))
+          p(l, 2::2) = p(l, 2::2) - jump*v(l)/approach(l)*p(l, 1::2)
         end associate
       end do
-      if (.not. motions%extrapolates) return
-      call need_dense_step(map, step, contact_set, behind)
-      call evaluate(n, map%dense(behind)%c(:, :, by_place), u, x1, v1)
-      call evaluate(n, map%dense(behind)%c(:, :, by_speed), u, x2, v2)
-      call evaluate(n, map%dense(behind)%c(:, :, by_force), u, f, g)
+    end associate
+  end subroutine reach
+
+  !> Extrapolates the motions from their events back to the start of the step, under the contact set that holds after the events.
+  pure subroutine extrapolate(map, arc, contact_set, motions)
+    type(period_map_t), intent(inout) :: map
+    type(arc_t), intent(in) :: arc
+    integer, intent(in) :: contact_set
+    type(motions_t), intent(inout) :: motions    !< in: the states at the events and their derivatives; out: those at the start
+    real(dp), dimension(batch_size) :: x1, v1, x2, v2, f, g
+    real(dp) :: x, v
+    integer :: i, l, which
+
+    call need_dense_step(map, arc%step, contact_set, which)
+    associate (n => map%speeds, c => map%dense(which)%c, p => motions%derivative)
+      call states_at(n, c(:, :, by_place), arc%to, x1, v1)
+      call states_at(n, c(:, :, by_speed), arc%to, x2, v2)
+      call states_at(n, c(:, :, by_force), arc%to, f, g)
       do l = 1, n
         if (.not. arc%alike(l)) cycle
-        det = x1(l)*v2(l) - x2(l)*v1(l)
-        motions%x(l) = (v2(l)*(x(l) - f(l)) - x2(l)*(v(l) - g(l)))/det
-        motions%v(l) = (x1(l)*(v(l) - g(l)) - v1(l)*(x(l) - f(l)))/det
-        do i = 1, 3, 2
-          p(l, i:i + 1) = [v2(l)*p(l, i) - x2(l)*p(l, i + 1), x1(l)*p(l, i + 1) - v1(l)*p(l, i)]/det
-        end do
+        associate (det => x1(l)*v2(l) - x2(l)*v1(l))
+          x = motions%x(l) - f(l)
+          v = motions%v(l) - g(l)
+          motions%x(l) = (v2(l)*x - x2(l)*v)/det
+          motions%v(l) = (x1(l)*v - v1(l)*x)/det
+          do i = 1, 3, 2
+            p(l, i:i + 1) = [v2(l)*p(l, i) - x2(l)*p(l, i + 1), x1(l)*p(l, i + 1) - v1(l)*p(l, i)]/det
+          end do
+        end associate
       end do
     end associate
-  end subroutine cross
+  end subroutine extrapolate
 
-  !> Computes value and first derivative of a quintic.
-  pure subroutine evaluate_quintic(c, place, f, slope)
-    real(dp), intent(in) :: c(0:5), place
-    real(dp), intent(out) :: f, slope
+  !> Begins a part of the step at a place, from the state there over the step.
+  pure subroutine begin_part(map, step, l, place, motions)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step, l
+    real(dp), intent(in) :: place
+    type(motions_t), intent(inout) :: motions
 
-    f = ((((c(5)*place + c(4))*place + c(3))*place + c(2))*place + c(1))*place + c(0)
-    slope = (((5*c(5)*place + 4*c(4))*place + 3*c(3))*place + 2*c(2))*place + c(1)
-  end subroutine evaluate_quintic
+    associate (width => motions%width(l))
+      width = max(tiny(place), min(1 - place, longest_part(map, step, l)))
+      motions%left(l) = place
+      motions%from(l) = place
+      motions%v(l) = motions%v(l)*width
+      motions%derivative(l, 2::2) = motions%derivative(l, 2::2)*width
+    end associate
+  end subroutine begin_part
 
   !> Ends arcs without an event: at the end of the step, or of a part of it.
   pure subroutine finish(map, arc, which, motions, state, propagator, trace)
@@ -384,7 +433,7 @@ contains
     real(dp), intent(inout) :: propagator(batch_size, 6)
     type(trace_t), intent(inout), optional :: trace
     type(arc_t) :: closing
-    real(dp) :: x, v, next
+    real(dp) :: x, v
     integer :: i, l
 
     closing = arc
@@ -410,13 +459,10 @@ contains
           propagator(l, :4) = p
           propagator(l, 2:4:2) = p(2:4:2)/map%table%width(arc%step)
         else
-          next = min(1 - motions%left(l), longest_part(map, arc%step, l))
           motions%changed(l) = 0
-          motions%from(l) = motions%left(l)
           motions%x(l) = x
-          motions%v(l) = v*next
-          p(2:4:2) = p(2:4:2)*next
-          width = next
+          motions%v(l) = v
+          call begin_part(map, arc%step, l, motions%left(l), motions)
         end if
       end associate
     end do

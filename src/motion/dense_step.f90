@@ -15,7 +15,7 @@ module gearsweep_motion_dense_step
   use gearsweep_motion_period_map, only: period_map_t, propagate_alike
   implicit none
   private
-  public :: by_place, by_speed, by_force, is_smooth, need_dense_step, need_dense_part, motions_from, evaluate
+  public :: by_place, by_speed, by_force, is_smooth, need_dense_step, need_dense_part, motions_from, states_at
 
   !> Indices of the polynomials: by unit x and by unit v at the start, and by load and profile error.
   integer, parameter :: by_place = 1, by_speed = 2, by_force = 3
@@ -209,31 +209,31 @@ contains
     end do
   end subroutine motions_from
 
-  !> Computes value and first derivative of a polynomial of each speed at its own place.
-  pure subroutine evaluate(n, c, place, f, slope)
+  !> Computes the state of each motion at its own place.
+  pure subroutine states_at(n, c, place, x, v)
     integer, intent(in) :: n                             !< number of speeds
-    real(dp), intent(in) :: c(batch_size, 0:7)
+    real(dp), intent(in) :: c(batch_size, 0:7)           !< coefficients in ascending powers, m; (speed, power)
     real(dp), intent(in) :: place(batch_size)
-    real(dp), intent(out), dimension(batch_size) :: f, slope
+    real(dp), intent(out), dimension(batch_size) :: x, v           !< x and its derivative, m
     integer :: k, l
 
-    f(:n) = c(:n, 7)
-    slope(:n) = 0
+    x(:n) = c(:n, 7)
+    v(:n) = 0
     if (n == batch_size) then
       do k = 6, 0, -1
         ! A loop over a constant number of lanes is one of vectors.
         do l = 1, batch_size
-          slope(l) = slope(l)*place(l) + f(l)
-          f(l) = f(l)*place(l) + c(l, k)
+          v(l) = v(l)*place(l) + x(l)
+          x(l) = x(l)*place(l) + c(l, k)
         end do
       end do
     else
       do k = 6, 0, -1
         do l = 1, n
-          slope(l) = slope(l)*place(l) + f(l)
-          f(l) = f(l)*place(l) + c(l, k)
+          v(l) = v(l)*place(l) + x(l)
+          x(l) = x(l)*place(l) + c(l, k)
         end do
       end do
     end if
-  end subroutine evaluate
+  end subroutine states_at
 end module gearsweep_motion_dense_step

@@ -6,7 +6,7 @@ module gearsweep_motion_integrator
   use gearsweep_base, only: bounds_of, dp, over_part
   use gearsweep_motion_coefficients, only: coefficients_t, need_law
   use gearsweep_motion_contact_set, only: add_batch_to_dte, add_to_dte, contact_t, dte_batch_t, dte_t, in_contact
-  use gearsweep_motion_dense_step, only: evaluate
+  use gearsweep_motion_dense_step, only: states_at
   use gearsweep_motion_gauss, only: batch_size
   use gearsweep_motion_load_peaks, only: candidates_t, curve_over, in_part, load_over, may_exceed, raise_to_maximum
   use gearsweep_motion_oscillator, only: touches_coast
@@ -72,8 +72,8 @@ contains
     do i = 1, state%arcs
       associate (arc => state%arc(i), n => map%speeds)
         call need_law(map%osc, arc%step, arc%contact_set, map%table, law)
-        call evaluate(n, arc%c, (arc%from - arc%left)/arc%width, x(:, 1), v(:, 1))
-        call evaluate(n, arc%c, (arc%to - arc%left)/arc%width, x(:, 2), v(:, 2))
+        call states_at(n, arc%c, (arc%from - arc%left)/arc%width, x(:, 1), v(:, 1))
+        call states_at(n, arc%c, (arc%to - arc%left)/arc%width, x(:, 2), v(:, 2))
         ! A concave curve stays below its tangents.
         highest(:n) = max(x(:n, 1), x(:n, 2)) + (abs(v(:n, 1)) + abs(v(:n, 2)))*(arc%to(:n) - arc%from(:n))/(4*arc%width(:n))
         do j = 1, map%table%pairs(arc%step)

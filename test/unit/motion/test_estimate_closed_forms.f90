@@ -224,8 +224,8 @@ contains
     do i = 1, starts
       duration = mesh_period(25, random%between(4000.0_dp, 15000.0_dp))
       start = osc%static_deflection*[random%between(-1.0_dp, 2.0_dp), random%between(-6.0_dp, 6.0_dp)]
-      ! So few that a pair may touch and have its largest load within one step: 1.8 radians of the natural motion.
-      call discretise(osc, resolution_t(osc%natural_frequency*duration/1.8_dp, 1), map)
+      ! So few that a pair may touch and have its largest load within one step: two radians of the natural motion.
+      call discretise(osc, resolution_t(osc%natural_frequency*duration/2, 1), map)
       call set_durations(map, [duration])
       call run_period(map, start, run)
       if (run%failed) cycle
