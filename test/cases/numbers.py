@@ -397,9 +397,11 @@ def motions():
             continue
         true('a slow run meets the sweep', any(abs(x - row['dynamic_factor']) < 1e-4 * x for x in
                                                (other[0]['dynamic_factor'], other[0]['other_dynamic_factor'])))  # fmt: skip
-        # Where there is one motion only: by the same steps, from another start.
+        # Where there is one motion only: from another start, and in steps of another level.
         if other[0]['direction'] == 'both':
-            near('estimate of a slow run', row['error_estimate'], other[0]['error_estimate'], 0.01)
+            both = row['error_estimate'] + other[0]['error_estimate']
+            near('one motion of a slow run, within the estimates', row['dynamic_factor'], other[0]['dynamic_factor'], 0, both)
+            true('estimate of a slow run, to a level of steps', 1 / 4 < other[0]['error_estimate'] / row['error_estimate'] < 4)
     for row in kept:
         for one in rows_of(all_motions, row, 'relief_um', 'rpm'):
             if abs(one['dynamic_factor'] - row['dynamic_factor']) < 1e-6:
