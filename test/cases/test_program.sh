@@ -581,8 +581,8 @@ refuses '&pair face_width_mm = 8: must be at least 3 modules for a load distribu
 refuses '&face bearing_span_mm: missing; a shaft has shaft_diameter_mm, bearing_span_mm and torque_side' 1 '/bearing_span_mm/d'
 refuses '&face torque_side: missing; a shaft has shaft_diameter_mm, bearing_span_mm and torque_side' 1 '/torque_side/d'
 refuses 'for an overhung pinion state the misalignment' 1 's/bearing_offset_mm = -15/bearing_offset_mm = 80/'
-refuses "&case tasks: the load over the face width needs &mesh model = 'fe'" 1 "s/^&face/\\&mesh model = 'weber' \/ \\&face/"
-refuses "&case tasks: the load over the face width needs &section plane = 'strain'" 1 "s/^&face/\\&section plane = 'stress' \/ \\&face/"
+refuses "&mesh model = 'weber': must be 'fe' for the load over the face width" 1 "s/^&face/\\&mesh model = 'weber' \/ \\&face/"
+refuses "&section plane = 'stress': must be 'strain' for the load over the face width" 1 "s/^&face/\\&section plane = 'stress' \/ \\&face/"
 refuses 'bodies held inside: of gears with a web' 1 "s/^&gear/\\&gear rim_thickness_mm = 6 web_thickness_mm = 6/"
 refuses "needs bodies held inside, &section fixed = 'sides', 'rim'" 1 "s/^&face/\\&section fixed = 'sides' \/ \\&face/"
 cp geared.nml base.nml

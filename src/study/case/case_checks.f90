@@ -31,9 +31,9 @@ contains
     end do
     if (case%prescribed) call check_prescribed(case, error)
     if (case%needs_face_load() .or. case%has_uneven_motion()) call check_face(case, error)
-    if (case%has_uneven_motion() .and. case%friction > 0) call fail(error, code_input, '&dynamics friction = '// &
-      str(case%friction)//': a sweep with an uneven load over the face has none; remove it, or &face and the leads')
     if (case%is_helical()) call check_helical(case, error)
+    if (case%has_uneven_motion() .and. case%friction > 0) call fail(error, code_input, '&dynamics friction = '// &
+      str(case%friction)//': must be 0 in a sweep with uneven faces; remove it, or &face and the leads')
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &
@@ -64,22 +64,23 @@ contains
     if (.not. case%needs(stage%motion)) return
     call check_face(case, error)
     if (case%friction > 0) call fail(error, code_input, '&dynamics friction = '//str(case%friction)// &
-                                     ': of helical gears the motion has none; remove it')
+                                     ': must be 0 for helical gears; remove it')
   end subroutine check_helical
 
   !> Refuses bodies and stiffnesses whose load over the face width is not known.
   subroutine check_face(case, error)
     type(case_t), intent(in) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: tasks = '&case tasks: the load over the face width needs '
+    character(*), parameter :: tasks = '&case tasks: the load over the face width needs ', &
+                               purpose = ' for the load over the face width'
 
     if (case%prescribed) return
-    if (case%model /= 'fe') call fail(error, code_input, tasks//'&mesh model = ''fe''')
+    if (case%model /= 'fe') call fail(error, code_input, '&mesh model = '''//case%model//''': must be ''fe'''//purpose)
     if (abs(case%spec(1)%helix_angle) > 30.001_dp*pi/180) call fail(error, code_input, '&pair helix_angle_deg = '// &
-      str(abs(case%spec(1)%helix_angle)*180/pi)//': the load over the face width is known up to 30')
+      str(abs(case%spec(1)%helix_angle)*180/pi)//': must be at most 30'//purpose)
     if (abs(case%spec(1)%helix_angle) > 0 .and. case%section%teeth >= minval(case%spec%teeth)) call fail(error, code_input, &
       '&section teeth = '//str(case%section%teeth)//': must be 0, for whole gears, or fewer than helical gears have')
-    if (.not. case%section%plane_strain) call fail(error, code_input, tasks//'&section plane = ''strain''')
+    if (.not. case%section%plane_strain) call fail(error, code_input, '&section plane = ''stress'': must be ''strain'''//purpose)
     if (case%has_support .and. .not. case%section%fixed_rim) call fail(error, code_input, tasks// &
       'bodies held inside, &section fixed = ''sides'', ''rim''')
     ! The pair stiffness of a gear with a web has a rim that is free inside, unless the section says otherwise.

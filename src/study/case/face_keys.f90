@@ -5,6 +5,7 @@ module gearsweep_study_case_face_keys
   use gearsweep_study_case_case, only: case_t, for_stage
   use gearsweep_study_case_task, only: gear_names, stage
   use gearsweep_study_reader_reader, only: first_nonblank, needs_gears, reader_t, sentence_length, text_unless
+  use gearsweep_study_reader_values, only: fail_entry
   implicit none
   private
   public :: read_face
@@ -38,8 +39,8 @@ contains
                     at_least=8, at_most=200, default_note='automatic, 0.35 to 1 module wide', &
                     meaning='about how many slices of the face have a load of their own')
     if (case%faces%are_uneven() .and. reader%has('rating', 'face_load_factor') .and. len_trim(unused_without) == 0) &
-      call fail(error, code_input, '&rating face_load_factor: the load over the face width has it, with &face or '// &
-        'a lead of a gear; remove it')
+      call fail_entry(reader%list%entries(reader%list%position('rating', 'face_load_factor')), 'the load over the face width '// &
+                      'has it, with &face or a lead of a gear; remove it', error)
 
   contains
 

@@ -159,19 +159,19 @@ contains
     call state('helix_angle_deg = 15 pinion_hand = ''up''', 'geometry', &
                '&pair pinion_hand = ''up'': must be one of ''right'', ''left''')
     call state('helix_angle_deg = 32'//load(.true.), 'face_load', &
-               '&pair helix_angle_deg = 32: the load over the face width is known up to 30')
+               '&pair helix_angle_deg = 32: must be at most 30 for the load over the face width')
     call state('helix_angle_deg = 15'//load(.true.)//' / &section teeth = 21', 'face_load', &
                '&section teeth = 21: must be 0, for whole gears, or fewer than helical gears have')
     call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''iso6336''', 'face_load', &
-               'the load over the face width needs &mesh model = ''fe''')
+               '&mesh model = ''iso6336'': must be ''fe'' for the load over the face width')
     call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''weber'' / &rating rpm = 500', 'rating', &
                '&pair helix_angle_deg = 15: for helical gears &mesh model must be ''fe''')
     call state('helix_angle_deg = 32'//load(.true.)//speeds, 'sweep', &
-               '&pair helix_angle_deg = 32: the load over the face width is known up to 30')
+               '&pair helix_angle_deg = 32: must be at most 30 for the load over the face width')
     call state('helix_angle_deg = 32'//load(.true.)//' / &rating rpm = 500', 'rating', &
-               '&pair helix_angle_deg = 32: the load over the face width is known up to 30')
+               '&pair helix_angle_deg = 32: must be at most 30 for the load over the face width')
     call state('helix_angle_deg = 15'//load(.true.)//speeds//' / &dynamics friction = 0.05', 'sweep', &
-               '&dynamics friction = 0.05: of helical gears the motion has none; remove it')
+               '&dynamics friction = 0.05: must be 0 for helical gears; remove it')
     call state('helix_angle_deg = 0 pinion_hand = ''left''', 'geometry', &
                '&pair pinion_hand = ''left'': is for helical gears, helix_angle_deg; remove it')
     call state('pinion_hand = ''right''', 'geometry', &

@@ -262,9 +262,10 @@ contains
     character(*), parameter :: gears = '&pinion teeth = 23 / &gear teeth = 41 / &face misalignment_um = 15 / &pair module_mm = 3 '
 
     call expect('face_width_mm = 30 / &dynamics friction = 0.05 /', &
-                '&dynamics friction = 0.05: a sweep with an uneven load over the face has none')
+                '&dynamics friction = 0.05: must be 0 in a sweep with uneven faces')
     call expect('face_width_mm = 100 helix_angle_deg = 28 /', 'the motion with an uneven load over the face needs at most 6')
-    call expect('face_width_mm = 30 / &mesh model = ''weber'' /', 'the load over the face width needs &mesh model = ''fe''')
+    call expect('face_width_mm = 30 / &mesh model = ''weber'' /', &
+                '&mesh model = ''weber'': must be ''fe'' for the load over the face width')
 
   contains
 

@@ -67,7 +67,7 @@ contains
       call check_true(t, 'a lead alone', h(1) > 1.1_dp, str(h(1)))
     end associate
     said = refusal('&case'//gears//' face_load_factor = 1.2 / &gear teeth = 38 / &face misalignment_um = 25 /')
-    call check_true(t, 'both', index(said, '&rating face_load_factor: the load over the face width has it') == 1, said)
+    call check_true(t, 'both', index(said, '&rating face_load_factor = 1.2: the load over the face width has it') == 1, said)
   end subroutine over_the_face
 
   !> K_v by Method A is a ratio of loads of the same mesh: at creeping speed 1, and never less, below a contact ratio of 2 and
