@@ -585,6 +585,14 @@ refuses "&mesh model = 'weber': must be 'fe' for the load over the face width" 1
 refuses "&section plane = 'stress': must be 'strain' for the load over the face width" 1 "s/^&face/\\&section plane = 'stress' \/ \\&face/"
 refuses 'bodies held inside: of gears with a web' 1 "s/^&gear/\\&gear rim_thickness_mm = 6 web_thickness_mm = 6/"
 refuses "needs bodies held inside, &section fixed = 'sides', 'rim'" 1 "s/^&face/\\&section fixed = 'sides' \/ \\&face/"
+speeds='rpm_first = 15000 rpm_last = 15000 rpm_step = 1000'
+edit "s/'face_load'/'sweep', 'rating'/; s/^&face/\\&sweep $speeds \/ \\&rating rpm = 3000 \/ \\&dynamics damping_ratio = 0.03 \/ \\&face/"
+run case.nml --out out
+check 'the screen says which motions have uneven faces' says stdout 'Faces              uneven in the sweep, the mean mesh stiffness and the natural frequency; parallel in all other motions'
+check 'and no task that has parallel faces to look for other motions' says stdout "direction = 'all' shows them"
+edit "s/'face_load'/'rating'/; s/^&face/\\&rating rpm = 3000 \/ \\&face/"
+run case.nml --out out
+check 'and that K_v is that of parallel faces' says stdout 'Faces              parallel in the motion'
 cp geared.nml base.nml
 
 # --- spellings of the same case ----------------------------------------------

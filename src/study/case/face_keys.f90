@@ -69,7 +69,6 @@ contains
       character(:), allocatable :: side
       logical :: given(4)
       character(*), parameter :: keys(3) = [character(17) :: 'shaft_diameter_mm', 'bearing_span_mm', 'torque_side']
-      integer :: i
 
       associate (shaft => case%faces%shaft)
         call reader%get('face', 'shaft_diameter_mm', shaft%diameter, error, unit='mm', is_stated=given(1), tasks=users, &

@@ -266,6 +266,11 @@ contains
     call check_tables(study, table, lines)
     call add_webs(study, lines)
     call add_decisive_inputs(study, lines)
+    if (study%case%faces%are_uneven() .and. study%case%needs(stage%face) .and. study%case%needs(stage%losses)) then
+      if (allocated(study%uneven_motion)) call lines%add(left('Faces', 19)//'uneven in the sweep, the mean mesh stiffness and '// &
+        'the natural frequency; parallel in all other motions')
+      if (.not. allocated(study%uneven_motion)) call lines%add(left('Faces', 19)//'parallel in the motion')
+    end if
     call lines%put(left('Natural frequency', 19)//str(table%number('natural_frequency_hz'), 5)//' Hz: the mesh excites it at '// &
                    str(table%number('resonance_rpm'), 5)//' rpm of the pinion')
     if (table%position('iso_resonance_rpm') > 0) &
