@@ -109,9 +109,11 @@ def read_rexs(path: str | os.PathLike, stage: str | None = None, load_case: str 
     Raises
     ------
     Error
-        The file is no REXS file, has no such stage or load case, or lacks a number, which is named with the key that states it instead.
+        The file is no REXS file, has no such stage or load case, or lacks a number, which is named with the key that states it instead;
+        a group, key or value that no case can have.
         A value that no case can have is reported when the case is used.
     """
+    Case.build(**groups)  # refuses what no case can have
     model = _Model(os.fspath(path))
     stage = _chosen(model.path, 'stage', [one for one in model.components if model.kind(one) == 'cylindrical_stage'], stage, model)
     pairs = [refs for kind, refs in model.relations if kind == 'stage' and refs.get('stage') == stage]
@@ -141,8 +143,9 @@ def _chosen(path: str, what: str, ids: list[str], wanted: str | None, model: _Mo
     if wanted is None and len(ids) == 1:
         return ids[0]
     if wanted is None or str(wanted) not in ids:
-        said = f'has no {what} {wanted}' if wanted is not None else f'has {len(ids)} of {what}: state which as {what}='
-        raise Error(f'{path}: {said}; there are {listed or "none"}')
+        named = what.replace('_', ' ')
+        said = f'no {named} {wanted}' if wanted is not None else f'{len(ids)} {named}s: state one as {what}=' if ids else f'no {named}'
+        raise Error(f'{path}: has {said}' + (f'; there are {listed}' if ids else ''))
     return str(wanted)
 
 

@@ -85,10 +85,10 @@ def test_a_number_that_no_gear_can_have_is_refused_by_its_key():
 
 
 @pytest.mark.parametrize('words, said', [
-    ({}, 'has 2 of stage: state which as stage=; there are 19 .*, 20'),
+    ({}, 'has 2 stages: state one as stage=; there are 19 .*, 20'),
     ({'stage': '15'}, 'has no stage 15; there are 19'),
-    ({'stage': '19', 'load_case': '5', 'case': {'tasks': 'rating'}}, 'has no load_case 5; there are 1, 2, 3, 4'),
-    ({'stage': '19', 'case': {'tasks': 'rating'}}, 'has 4 of load_case: state which as load_case=; there are 1, 2, 3, 4'),
+    ({'stage': '19', 'load_case': '5', 'case': {'tasks': 'rating'}}, 'has no load case 5; there are 1, 2, 3, 4'),
+    ({'stage': '19', 'case': {'tasks': 'rating'}}, 'has 4 load cases: state one as load_case=; there are 1, 2, 3, 4'),
     ({'stage': '20', 'load_case': '1', 'case': {'tasks': 'rating'}}, r"stage 20 has no torque: state it as load=\{'torque_nm': ...\}"),
 ])  # fmt: skip
 def test_what_is_not_said_is_asked_for(words, said):
@@ -119,11 +119,24 @@ def test_what_the_file_lacks_is_asked_for_by_its_key(name, changed):
     ([('role="gear_2"', 'role="gear_3"')], 'must have external gears, two of cylindrical_gear'),
     ([('<model', '<models'), ('</model>', '</models>')], 'begins with models'),
     ([('</model>', '')], 'is not XML'),
+    ([('type="cylindrical_stage"', 'type="bevel_stage"')], 'has no stage 19$'),
     ([('<', '{')], 'not .rexsj and .rexsz'),
 ])  # fmt: skip
 def test_a_file_that_is_not_right_is_refused(changes, said, changed):
     with pytest.raises(Error, match=said):
         read_rexs(changed(*changes), '19')
+
+
+def test_what_no_case_can_have_is_refused_before_the_file_is_read(tmp_path):
+    with pytest.raises(TypeError, match='pair: must be a dictionary of keys, not int'):
+        read_rexs(tmp_path / 'none.rexs', pair=3)
+    with pytest.raises(Error, match='&pair modul: unknown key'):
+        read_rexs(tmp_path / 'none.rexs', pair={'modul': 3})
+
+
+def test_a_file_without_a_stage_says_so(changed):
+    with pytest.raises(Error, match=r'changed\.rexs: has no stage$'):
+        read_rexs(changed(('type="cylindrical_stage"', 'type="bevel_stage"')))
 
 
 def test_flanks_of_two_pressure_angles_are_refused(changed):
