@@ -282,13 +282,14 @@ def _assemblies(study: Study) -> Figure:
 
 
 def _over_face(plot: Callable) -> Callable[[Study], Figure]:
-    """Draws a panel for each relief."""
+    """Draws a panel for each relief, all of one scale."""
 
     def draw(study: Study) -> Figure:
         amounts = list(dict.fromkeys(study.face_load.relief_um))
         figure, axes = _panels(len(amounts), 'reliefs', 2, 75)
         for ax, amount in zip(axes, amounts):
             plot(study, ax, relief_um=amount)
+        _one_scale(axes, 'y')
         return figure
 
     return draw

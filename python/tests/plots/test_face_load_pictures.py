@@ -107,6 +107,14 @@ def test_factors_over_a_list_of_misalignments_are_those_of_its_table():
         assert ax.get_xlabel() == 'Misalignment (µm)'
 
 
+@pytest.mark.parametrize('picture', ['face_load', 'contact_pattern'])
+def test_panels_of_several_reliefs_have_one_scale(picture, study):
+    figure = next(figure for name, figure in plots.figures(study) if name == picture)
+    panels = [ax for ax in figure.axes if ax.get_xlabel().startswith('Place z')]
+    assert len(panels) == len(set(study.face_load.relief_um)) > 1
+    assert len({ax.get_ylim() for ax in panels}) == 1
+
+
 def test_both_pictures_are_drawn_of_a_study_as_files(study, tmp_path):
     names = [name for name, _ in plots.figures(study)]
     assert names == ['contact_pattern', 'face_load']
