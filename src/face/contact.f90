@@ -114,7 +114,7 @@ contains
         end if
         call dposv('L', size(list), 2, matrix, size(list), x, size(list), info)
         if (info /= 0) then
-          call fail(error, code_numerical, 'load over the face: slices are too narrow beside Hertz''s contact')
+          call fail(error, code_numerical, 'slices of the face: too narrow beside Hertz''s contact; use fewer')
           return
         end if
         stiffness = dot_product(own, x(:, 2))

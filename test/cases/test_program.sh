@@ -583,12 +583,14 @@ refuses '&face torque_side: missing; a shaft has shaft_diameter_mm, bearing_span
 refuses 'for an overhung pinion state the misalignment' 1 's/bearing_offset_mm = -15/bearing_offset_mm = 80/'
 refuses "&mesh model = 'weber': must be 'fe' for the load over the face width" 1 "s/^&face/\\&mesh model = 'weber' \/ \\&face/"
 refuses "&section plane = 'stress': must be 'strain' for the load over the face width" 1 "s/^&face/\\&section plane = 'stress' \/ \\&face/"
+refuses "&face slices: too narrow beside Hertz's contact; use fewer" 5 's/^&face/\&face slices = 200/'
 refuses 'bodies held inside: of gears with a web' 1 "s/^&gear/\\&gear rim_thickness_mm = 6 web_thickness_mm = 6/"
 refuses "needs bodies held inside, &section fixed = 'sides', 'rim'" 1 "s/^&face/\\&section fixed = 'sides' \/ \\&face/"
 speeds='rpm_first = 15000 rpm_last = 15000 rpm_step = 1000'
 edit "s/'face_load'/'sweep', 'rating'/; s/^&face/\\&sweep $speeds \/ \\&rating rpm = 3000 \/ \\&dynamics damping_ratio = 0.03 \/ \\&face/"
 run case.nml --out out
 check 'the screen says which motions have uneven faces' says stdout 'Faces              uneven in the sweep, the mean mesh stiffness and the natural frequency; parallel in all other motions'
+check 'and that the sweep has no contact of tip corners' says stdout 'the sweep has no contact of tip corners'
 check 'and no task that has parallel faces to look for other motions' says stdout "direction = 'all' shows them"
 edit "s/'face_load'/'rating'/; s/^&face/\\&rating rpm = 3000 \/ \\&face/"
 run case.nml --out out

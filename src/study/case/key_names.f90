@@ -33,6 +33,7 @@ module gearsweep_study_case_key_names
     & key_name_t('density', '&material density_kgm3'), &
     & key_name_t('pair stiffness', '&mesh model'), &
     & key_name_t('misalignment and lead slopes (um)', '&face misalignment_um'), &
+    & key_name_t('slices of the face', '&face slices'), &
     & key_name_t('shaft diameter (mm)', '&face shaft_diameter_mm'), &
     & key_name_t('bearing offset (mm)', '&face bearing_offset_mm'), &
     & key_name_t('corner contact', '&mesh corner_contact'), &
