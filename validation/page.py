@@ -21,12 +21,12 @@ NAMES = {'dogan2021': 'Dogan 2021', 'hassan2009': 'Hassan 2009', 'thamba2020': '
 
 
 def block(outcomes):
-    """The counts by paper and of the results by what they are, and some rows, as Markdown."""
+    """The counts by paper and of the results by kind, and some rows, as Markdown."""
     by_name = {outcome.row.name: outcome for outcome in outcomes}
     rows = [_row(by_name[f'{paper}:{id}']) for paper, ids in SHOWN.items() for id in ids]
     some = markdown(('what', 'printed', 'gearsweep', 'inputs'), rows)
     counts = (f'{report.what_is_counted(outcomes)}\n\n{markdown(*report.summary(outcomes))}\n\n'
-              f'Results and conclusions by what they are:\n\n{markdown(*report.summary_of_results(outcomes))}')
+              f'Results and conclusions alone, by kind:\n\n{markdown(*report.summary_of_results(outcomes))}')
     return f'{counts}\n\nSome of them:\n\n{some}'
 
 

@@ -50,7 +50,7 @@ def summary(outcomes):
 
 
 def summary_of_results(outcomes):
-    """The same of results and conclusions, by what they are, without inputs and repeats."""
+    """The same of results and conclusions, by kind, without inputs and repeats."""
     results = [o for o in outcomes if o.verdict not in ('input', 'repeat')]
     return _summary('what', [(sort, [o for o in results if o.row.sort == sort]) for sort in ledger.SORT_NAMES], ())
 
