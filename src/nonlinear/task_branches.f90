@@ -189,7 +189,7 @@ contains
     call table%begin('points of the branches, from one end to the other', size(rows), error)
     if (allocated(error)) return
     call table%add_index(axis('branch', '', of_branch, [rows%branch]))
-    call table%add_index(axis('point', '', 'which of its points', [rows%at]))
+    call table%add_index(axis('point', '', 'number of the point on its branch', [rows%at]))
     call add_motions(rows, table)
     call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', [rows%state(1)])
     call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &

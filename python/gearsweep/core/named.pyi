@@ -741,7 +741,7 @@ class OptimumCurveTable(Table):
     points_without_answer: NDArray[int64]
     """speeds without an answer"""
     at_least: NDArray[int64]
-    """1: a few speeds showed that this relief is not the best, and the largest DF is that of these; else 0"""
+    """1: computed at a few speeds only, which show that this relief is not the best; the largest DF is theirs; else 0"""
     ste_peak_to_peak_um: NDArray[float64]
     """um: peak-to-peak static transmission error"""
     mesh_harmonic_um: NDArray[float64]
@@ -765,7 +765,7 @@ class OptimumMapTable(Table):
     points_without_answer: NDArray[int64]
     """speeds without an answer"""
     at_least: NDArray[int64]
-    """1: a few speeds showed that this relief is not the best, and the largest DF is that of these; else 0"""
+    """1: computed at a few speeds only, which show that this relief is not the best; the largest DF is theirs; else 0"""
 
 class OptimumDesignTable(Table):
     """the best reliefs of both gears, by what is judged"""
@@ -861,7 +861,7 @@ class ReliefCurveTable(Table):
     worst_dynamic_factor: NDArray[float64]
     """largest DF over the speeds; NaN where none has an answer"""
     at_least: NDArray[int64]
-    """1: a few speeds showed that this relief is not the best, and the largest DF is that of these; else 0"""
+    """1: computed at a few speeds only, which show that this relief is not the best; the largest DF is theirs; else 0"""
 
 class ReliefFlankTable(Table):
     """relief of the flanks at chosen diameters, by each method"""
@@ -1357,7 +1357,7 @@ class BranchPointsTable(Table):
     branch: NDArray[int64]
     """which branch"""
     point: NDArray[int64]
-    """which of its points"""
+    """number of the point on its branch"""
     rpm: NDArray[float64]
     """1/min: speed of the pinion"""
     damping_ratio: NDArray[float64]
@@ -1631,7 +1631,7 @@ class RatingTable(Table):
     gear: NDArray[str_]
     """pinion or gear"""
     method: NDArray[str_]
-    """whose K_v it is, as dynamic_factor_method has it: a or b"""
+    """method of this K_v, as in dynamic_factor_method: a or b"""
     internal_dynamic_factor: NDArray[float64]
     """K_v by that method; NaN where there is no answer"""
     contact_stress_mpa: NDArray[float64]

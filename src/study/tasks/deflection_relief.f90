@@ -396,8 +396,8 @@ contains
     if (allocated(error)) return
     call table%add('ste_range_um', 'um', 'peak-to-peak static transmission error', range)
     call table%add('worst_dynamic_factor', '', of_worst, optimum%dynamic_factor)
-    call table%add('at_least', '', '1: a few speeds showed that this relief is not the best, and the largest DF is that of '// &
-                   'these; else 0', merge(1, 0, optimum%is_bound))
+    call table%add('at_least', '', '1: computed at a few speeds only, which show that this relief is not the best; the largest '// &
+                   'DF is theirs; else 0', merge(1, 0, optimum%is_bound))
   end subroutine fill_curve
 
   pure subroutine add_report(self, lines)

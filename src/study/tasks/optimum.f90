@@ -23,7 +23,7 @@ module gearsweep_study_tasks_optimum
     'none has an answer', of_range = 'peak-to-peak static transmission error', of_harmonic = 'amplitude of the harmonic of the '// &
     'static transmission error that &optimum harmonic names', of_rpm = 'speed of the pinion '// &
     'where what is judged is largest', of_failed = 'speeds without an answer', &
-    of_bound = '1: a few speeds showed that this relief is not the best, and the largest DF is that of these; else 0'
+    of_bound = '1: computed at a few speeds only, which show that this relief is not the best; the largest DF is theirs; else 0'
 
   type, extends(runnable_t) :: optimum_task_t
     logical :: with_length = .false., each_gear = .false.

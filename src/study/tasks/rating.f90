@@ -513,7 +513,7 @@ contains
     gear = [(1, 2, i=1, m*n)]
     contact = contact_stress(nominal%contact, nominal%flank%single_pair(gear), self%factors, dynamic)
     root = tooth_root_stress(nominal%root(gear), self%factors, nominal%root_face_load, dynamic)
-    call table%add_words('method', 'whose K_v it is, as dynamic_factor_method has it: a or b', method)
+    call table%add_words('method', 'method of this K_v, as in dynamic_factor_method: a or b', method)
     call table%add('internal_dynamic_factor', '', 'K_v by that method; NaN where there is no answer', dynamic)
     call table%add('contact_stress_mpa', 'MPa', 'contact stress sigma_H', contact)
     call table%add('contact_safety', '', 'S_H; NaN without contact_limit_mpa or a material', self%limits%contact(gear)/contact)
