@@ -32,8 +32,6 @@ contains
     if (case%prescribed) call check_prescribed(case, error)
     if (case%needs_face_load() .or. case%has_uneven_motion()) call check_face(case, error)
     if (case%is_helical()) call check_helical(case, error)
-    if (case%has_uneven_motion() .and. case%friction > 0) call fail(error, code_input, '&dynamics friction = '// &
-      str(case%friction)//': must be 0 in a sweep with uneven faces; remove it, or &face and the leads')
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &
@@ -67,7 +65,7 @@ contains
                                      ': must be 0 for helical gears; remove it')
   end subroutine check_helical
 
-  !> Refuses bodies and stiffnesses whose load over the face width is not known.
+  !> Refuses bodies and stiffnesses whose load over the face width is not known, and friction in its motion.
   subroutine check_face(case, error)
     type(case_t), intent(in) :: case
     type(error_t), allocatable, intent(inout) :: error
@@ -86,6 +84,8 @@ contains
     ! The pair stiffness of a gear with a web has a rim that is free inside, unless the section says otherwise.
     if (any(case%iso%web_thickness > 0) .and. .not. (case%has_support .or. case%section%rim > 0 .or. case%section%teeth == 0)) &
       call fail(error, code_input, tasks//'bodies held inside: of gears with a web, &section fixed = ''sides'', ''rim''')
+    if (case%has_uneven_motion() .and. .not. case%is_helical() .and. case%friction > 0) call fail(error, code_input, &
+      '&dynamics friction = '//str(case%friction)//': must be 0 in a sweep with uneven faces; remove it, or &face and the leads')
   end subroutine check_face
 
   !> Refuses keys of a prescribed mesh that follow from gears.
