@@ -306,12 +306,13 @@ def root_and_base_radius():
 
 
 def sharing():
-    """Loads of three springs K behind one compliance C, by the linear system itself."""
-    stiffness, error, common, x = np.array([3.0, 2.0, 5.0]), np.array([0.1, 0.4, 0.2]), 0.07, 1.3
-    loads = np.linalg.solve(np.diag(1 / stiffness) + common, x - error)
-    total, rest = loads.sum(), x - common * loads.sum()
-    names = {'A': stiffness.sum(), 'B': stiffness @ error, 'C': common, 'x': x, 'S': total, 'K_j': stiffness[1], 'e_j': error[1], 'w': rest}
-    return names, [total, rest, rest, loads[1]]
+    """Law of two pairs behind one compliance C: stiffness and touching deflection of the first, by the linear system at two deflections."""
+    stiffness, error, common = np.array([3.0, 2.0]), np.array([0.4, 0.3]), 0.07
+    matrix = np.eye(2) + stiffness[:, None] * np.array([[0, common], [common, 0]])
+    low, high = (np.linalg.solve(matrix, stiffness * (x - error))[0] for x in (1.0, 2.0))
+    slope = high - low
+    names = {'K_1': stiffness[0], 'K_2': stiffness[1], 'C': common, 'e_1': error[0], 'e_2': error[1]}
+    return names, [slope, 1 - low / slope]
 
 
 def wave_product():
