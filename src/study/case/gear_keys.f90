@@ -200,8 +200,8 @@ contains
     call reader%get('pair', 'helix_angle_deg', helix_angle, error, unit='deg', not_allowed=geared, at_least=0.0_dp, &
                     at_most=35.0_dp, default_note='0, spur gears', &
                     meaning='helix angle on the reference circle; module, pressure angle and the factors of the rack are then '// &
-                    'those of the normal section; the tasks geometry, face_load, sweep and rating only, a load over the face '// &
-                    'up to 30')
+                    'those of the normal section; the tasks geometry, face_load, sweep, rating and life only, a load over the '// &
+                    'face up to 30')
     if (helix_angle > 0) call refuse_tasks(case, helix_angle/degree, error)
     hand = 'right'
     call reader%get('pair', 'pinion_hand', hand, error, allowed=[character(5) :: 'right', 'left'], default_note='right', &

@@ -11,7 +11,7 @@ module gearsweep_study_run_face_stage
   use gearsweep_study_run_stages, only: stages_t
   implicit none
   private
-  public :: build_faces, find_face_loads, build_face_motions
+  public :: build_faces, find_face_loads, build_face_motions, build_face_motion
 
 contains
 
@@ -63,19 +63,37 @@ contains
     logical, intent(in) :: is_uneven             !< as the faces meet; false: parallel
     type(oscillator_t), allocatable, intent(out) :: motion(:)        !< (relief)
     type(error_t), allocatable, intent(inout) :: error
-    integer, parameter :: most = 6               ! with the coast sides, a contact set has room for so many pairs
-    type(face_mesh_t) :: mesh
-    type(face_load_t) :: load
-    type(pair_loads_t) :: loads
-    type(motions_inputs_t) :: inputs
-    real(dp) :: total
     integer :: i
 
     if (allocated(error)) return
+    allocate (motion(size(stages%amount)))
+    do i = 1, size(motion)
+      call build_face_motion(stages, is_uneven, i, stages%load, motion(i), error)
+      if (allocated(error)) return
+    end do
+  end subroutine build_face_motions
+
+  !> Builds the oscillator of one relief under a load of its own.
+  subroutine build_face_motion(stages, is_uneven, relief, load, motion, error)
+    type(stages_t), intent(in) :: stages         !< with `face_mesh`
+    logical, intent(in) :: is_uneven             !< as the faces meet; false: parallel
+    integer, intent(in) :: relief                !< index among the reliefs of the case
+    real(dp), intent(in) :: load                 !< static load, N
+    type(oscillator_t), intent(out) :: motion
+    type(error_t), allocatable, intent(inout) :: error
+    integer, parameter :: most = 6               ! with the coast sides, a contact set has room for so many pairs
+    type(face_mesh_t) :: mesh
+    type(face_load_t) :: of_face
+    type(pair_loads_t) :: of_pairs
+    type(motions_inputs_t) :: inputs
+    real(dp) :: total
+
     mesh = stages%face_mesh
+    mesh%profile_error = stages%profile_error_of(relief)
     inputs = stages%motions_inputs
     total = mesh%pair%contact_ratio + mesh%pair%overlap_ratio
     associate (of => inputs%motion)
+      of%load = load
       if (is_uneven) of%spacing = ceiling(total)
       of%relief%contact_ratio = total
       of%reach = [-real((springs_of_pair - 1)*of%spacing, dp), total]
@@ -85,19 +103,15 @@ contains
       if (of%spacing > most) call fail(error, code_input, '&pair face_width_mm = '//str(1000*mesh%width)//': the total contact '// &
         'ratio is '//str(total, 4)//'; the motion with an uneven load over the face needs at most '//str(most))
     end associate
-    allocate (motion(size(stages%amount)))
-    do i = 1, size(motion)
-      if (allocated(error)) return
-      mesh%profile_error = stages%profile_error_of(i)
-      if (is_uneven) then
-        call find_pair_loads(mesh, stages%faces%alignment, stages%load, stages%load*chord_loads, loads, error, &
-                             stages%faces%slices, stages%faces%shaft)
-        if (.not. allocated(error)) call find_chords(loads, total, inputs%motion%spacing, inputs%stiffness, inputs%profile_error)
-      else
-        call find_face_load(mesh, alignment_t(), stages%load, load, error)
-        if (.not. allocated(error)) call find_springs(load, total, inputs%stiffness, inputs%profile_error)
-      end if
-      if (.not. allocated(error)) call build_motion(inputs, 0.0_dp, motion(i), error)
-    end do
-  end subroutine build_face_motions
+    if (allocated(error)) return
+    if (is_uneven) then
+      call find_pair_loads(mesh, stages%faces%alignment, load, load*chord_loads, of_pairs, error, stages%faces%slices, &
+                           stages%faces%shaft)
+      if (.not. allocated(error)) call find_chords(of_pairs, total, inputs%motion%spacing, inputs%stiffness, inputs%profile_error)
+    else
+      call find_face_load(mesh, alignment_t(), load, of_face, error)
+      if (.not. allocated(error)) call find_springs(of_face, total, inputs%stiffness, inputs%profile_error)
+    end if
+    if (.not. allocated(error)) call build_motion(inputs, 0.0_dp, motion, error)
+  end subroutine build_face_motion
 end module gearsweep_study_run_face_stage

@@ -20,7 +20,8 @@ module gearsweep_study_tasks_rating
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   implicit none
   private
-  public :: limits_t, face_load_factor, read_material, read_load_factors, add_life_curves, largest_share, rating_task_t
+  public :: limits_t, face_load_factor, find_nominal, read_material, read_load_factors, add_life_curves, largest_share
+  public :: rating_task_t
 
   !> Allowable stress numbers of pinion and gear (Pa); NaN where the case gives none.
   type :: limits_t
@@ -270,6 +271,24 @@ contains
     end do
   end subroutine need_method_b
 
+  !> Computes the nominal stresses under the load of the case; roots of helical gears by their virtual gears.
+  subroutine find_nominal(stages, face_load, grade, nominal, error)
+    type(stages_t), intent(in) :: stages
+    real(dp), intent(in) :: face_load            !< face load factor K_H_beta
+    integer, intent(in) :: grade                 !< as of `nominal_of`
+    type(nominal_t), intent(out) :: nominal
+    type(error_t), allocatable, intent(inout) :: error
+    type(pair_t) :: normal
+    type(gear_t), allocatable :: virtual(:)
+
+    if (stages%pair%overlap_ratio > 0) then
+      call normal_section(stages%pair, .false., normal, error)
+      if (allocated(error)) return
+      virtual = normal%gear
+    end if
+    nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, face_load, grade, virtual)
+  end subroutine find_nominal
+
   !> Largest static load of a pair over the static load of the mesh.
   pure real(dp) function largest_share(motion) result(share)
     type(oscillator_t), intent(in) :: motion
@@ -351,8 +370,6 @@ contains
     integer, allocatable :: motions(:, :)        ! number of motions
     type(method_b_t), allocatable :: of(:)                 ! inputs of Method B; (relief)
     type(nominal_t) :: nominal
-    type(pair_t) :: normal
-    type(gear_t), allocatable :: virtual(:)      ! of helical gears
     integer :: grade, i, k
     logical :: out_of_memory
 
@@ -361,10 +378,7 @@ contains
     self%has_face = stages%faces%are_uneven()
     self%factors%face_load = face_load_factor(stages, self%factors%face_load)
     call need_method_b(stages, self%accuracy, of, grade, error)
-    if (.not. allocated(error) .and. stages%pair%overlap_ratio > 0) then
-      call normal_section(stages%pair, .false., normal, error)
-      virtual = normal%gear
-    end if
+    if (.not. allocated(error)) call find_nominal(stages, self%factors%face_load, grade, nominal, error)
     call claim_memory(1000.0_dp*size(stages%motion)*size(self%own_rpm), '&rating rpm: '// &
                       str(size(stages%motion)*size(self%own_rpm))//' motions', error)
     if (allocated(error)) return
@@ -379,8 +393,6 @@ contains
         call stages%running%report_progress(1, stages%accuracy%steady%stop)
       end do
     end do
-    nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, self%factors%face_load, grade, &
-                         virtual)
     if (self%has_face) nominal%root_face_load = maxval(stages%face_loads%root_factor)
     call fill_dynamic(stages, self%own_rpm, of, point, motions, self%tables(self%place('dynamic_factors')), error)
     call fill_factors(stages, self, nominal, of(1), self%tables(self%place('rating_factors')), error)

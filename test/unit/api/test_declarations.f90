@@ -128,11 +128,11 @@ contains
     call check_true(t, 'a unit that is not in the list', allocated(table%error))
   end subroutine units
 
-  !> Helical gears: the tasks geometry, face_load, sweep and rating and no other, with one sentence each for what is not allowed.
+  !> Helical gears: the tasks geometry, face_load, sweep, rating and life and no other, with one sentence each for what is not allowed.
   subroutine helical(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: only = ' is for spur gears; for helical gears &case tasks can have geometry, '// &
-      'face_load, sweep, rating only'
+      'face_load, sweep, rating, life only'
     character(*), parameter :: speeds = ' / &sweep rpm_first = 1000 rpm_last = 2000 rpm_step = 500'
     character(task_length), allocatable :: tasks(:)
     character(:), allocatable :: words
@@ -140,9 +140,10 @@ contains
 
     call list_task_names(tasks)
     do i = 1, size(tasks)
-      if (any(tasks(i) == [character(task_length) :: 'geometry', 'face_load', 'sweep', 'rating'])) then
+      if (any(tasks(i) == [character(task_length) :: 'geometry', 'face_load', 'sweep', 'rating', 'life'])) then
         words = ''
         if (tasks(i) == 'rating') words = ' / &rating rpm = 500'
+        if (tasks(i) == 'life') words = ' / &rating material = ''C45'' / &life rpm = 500 duration_h = 1'
         if (tasks(i) == 'sweep') words = speeds
         call state('helix_angle_deg = 15'//load(tasks(i) /= 'geometry')//words, trim(tasks(i)), '')
       else

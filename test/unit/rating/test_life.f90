@@ -44,6 +44,7 @@ contains
     if (t%wants('overloaded')) call overloaded(t)
     if (t%wants('equal_engagements')) call equal_engagements(t)
     if (t%wants('thin_rims')) call thin_rims(t)
+    if (t%wants('helical_teeth')) call helical_teeth(t)
     if (t%wants('loads_of_motions')) call loads_of_motions(t)
     if (t%wants('histories_of_motions')) call histories_of_motions(t)
   end subroutine run
@@ -355,16 +356,18 @@ contains
     type(case_t) :: case
     type(error_t), allocatable :: error
 
-    character(:), allocatable :: load, damping, keys
+    character(:), allocatable :: pair, load, damping, keys
 
+    pair = ''
+    if (index(groups, '&pair') == 0) pair = '&pair module_mm = 3 face_width_mm = 20 / '
     damping = ''
     if (index(groups, '&dynamics') == 0) damping = '&dynamics damping_ratio = 0.17 / '
     load = ''
     if (index(groups, '&load') == 0) load = '&load normal_force_n = 4000 / '
     keys = ''
     if (present(rating)) keys = rating
-    call read_case('&case tasks = ''life'', ''rating'' / &pair module_mm = 3 face_width_mm = 20 / '// &
-                   damping//load//'&rating rpm = 3000'//keys//' / '//groups, case, error)
+    call read_case('&case tasks = ''life'', ''rating'' / '//pair//damping//load//'&rating rpm = 3000'//keys//' / '//groups, case, &
+                   error)
     call check_no_error(t, 'the case', error)
     call run_study(case, '', 1, study, error)
     call check_no_error(t, 'the study', error)
@@ -482,6 +485,60 @@ contains
       call check_close(t, 'a thin rim', thin%largest/solid%largest, 1.6_dp*log(4.484_dp), 1e-12_dp)
     end do
   end subroutine thin_rims
+
+  !> Helical teeth: the stresses of the task `rating` with K_v of Method A; under the static load in proportion to the load, those
+  !> of the flank to its root. An engagement is one load cycle from zero, whose harm follows from the curve by hand; on an idler it
+  !> counts as one of 1/0.7 times the stress (ISO 6336-3:2006, clause 5).
+  subroutine helical_teeth(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: gears = '&pair module_mm = 3 face_width_mm = 20 helix_angle_deg = 18 / &pinion teeth = 21 / '// &
+      '&gear teeth = 34 / ', &
+      material = ' material = ''case_hardened'' dynamic_factor_method = ''a'''
+    real(dp), parameter :: factor(2) = [1.0_dp, 6.0_dp]
+    type(table_t) :: parts, rating, factors, idler, motion
+    real(dp) :: turns, harm
+    integer :: i, k, row
+
+    call solve_case(t, gears//'&life rpm = 3000 duration_h = 1 / ', 'life_parts', parts, material)
+    call solve_case(t, gears//'&life rpm = 3000 duration_h = 1 / ', 'rating', rating, material)
+    call solve_case(t, gears//'&life rpm = 3000 duration_h = 1 / ', 'rating_factors', factors, material)
+    do i = 1, 2
+      call check_true(t, 'above rest', rating%number('internal_dynamic_factor', i) > 1)
+      call check_close(t, 'root stress of the rating', parts%number('root_stress_mpa', i), &
+                       rating%number('root_stress_mpa', i), 1e-12_dp)
+      call check_close(t, 'contact stress of the rating', parts%number('contact_stress_mpa', i), &
+                       rating%number('contact_stress_mpa', i), 1e-12_dp)
+    end do
+    ! The motion of each part has the load of that part: that of a case with this load.
+    call solve_case(t, gears//'&life rpm = 3000 load_factor = 1.5 duration_h = 1 / ', 'life_parts', parts, material)
+    call solve_case(t, gears//'&load normal_force_n = 6000 / &life rpm = 3000 duration_h = 1 / ', 'dynamic_factors', motion, &
+                    material)
+    call check_close(t, 'motion under the load of a part', parts%number('dynamic_factor', 1), motion%number('dynamic_factor', 1), &
+                     1e-9_dp)
+    call solve_case(t, gears//'&life dynamic_load = .false. rpm = 3000, 3000 load_factor = 1, 6 duration_h = 1, 1 / ', &
+                    'life_parts', parts, material)
+    call solve_case(t, gears//'&life dynamic_load = .false. rpm = 3000 load_factor = 6 duration_h = 1 stress_ratio = -1 / ', &
+                    'life_parts', idler, material)
+    do k = 1, 2
+      do i = 1, 2
+        row = 2*(k - 1) + i
+        turns = 60*3000*merge(1.0_dp, 21/34.0_dp, i == 1)
+        associate (root => factor(k)*factors%number('nominal_root_mpa', i))
+          call check_close(t, 'root stress at rest', parts%number('root_stress_mpa', row), root, 1e-12_dp)
+          call check_close(t, 'amplitude', parts%number('amplitude_mpa', row), root/2, 1e-12_dp)
+          call check_close(t, 'one load cycle', parts%number('cycles', row), 1.0_dp, 0.0_dp)
+          call check_close(t, 'contact stress at rest', parts%number('contact_stress_mpa', row), &
+                           sqrt(factor(k))*parts%number('contact_stress_mpa', i), 1e-12_dp)
+          harm = 0
+          if (root > 850) harm = turns/(1e3_dp*3e3_dp**(log(2.5_dp*850/root)/log(2.5_dp)))
+          call check_true(t, 'only the larger load does harm', (root > 850) .eqv. k == 2)
+          call check_close(t, 'Miner''s sum of the root', parts%number('damage', row), harm, 1e-9_dp)
+          if (k == 2) call check_close(t, 'equivalent amplitude on an idler', idler%number('equivalent_amplitude_mpa', i), &
+                                       root/1.4_dp, 1e-12_dp)
+        end associate
+      end do
+    end do
+  end subroutine helical_teeth
 
   !> Without relief and backlash the motion is in proportion to the load, and so is the stress.
   subroutine loads_of_motions(t)
