@@ -26,6 +26,8 @@ module gearsweep_study_tasks_life
   type :: life_rule_t
     logical :: dynamic_load = .true.             !< true: load of the motion; false: static load
     real(dp) :: stress_factor = 1                !< factor on the root stress beyond the computed one
+    real(dp) :: root_face_load = 1               !< K_F_beta by the load over the face width
+    logical :: has_face = .false.                !< face load factors follow from the load over the face width
     real(dp) :: stress_ratio = 0                 !< least stress of a revolution over its largest
     type(strength_t) :: strength(2)              !< strength of pinion and gear
     type(curve_t) :: curve(2)                    !< S-N curves of their tooth roots
@@ -115,7 +117,7 @@ contains
     dynamic = 1
     if (rule%dynamic_load .and. (rule%has_contact() .or. .not. has_path)) &
       dynamic = dynamic_factor_a(part%dynamic_factor, largest_share(osc))
-    factor = rule%stress_factor*stages%iso%application_factor
+    factor = rule%stress_factor*rule%root_face_load*stages%iso%application_factor
     do i = 1, 2
       if (has_path) then
         part%root(i) = root_life(stages%pair, i, path%pair, path%s, factor*path%load, stages%iso%rim_thickness(i), &
@@ -357,7 +359,7 @@ contains
     integer, intent(in) :: which                 !< index of the stage in `stage`
 
     uses = needs_moving(stages_needed, which, self%rule%dynamic_load)
-    if (which == stage%elasticity .or. which == stage%face) uses = self%rule%has_contact()
+    if (which == stage%elasticity) uses = self%rule%has_contact()
   end function uses
 
   subroutine read_keys(self, reader, error)
@@ -382,7 +384,9 @@ contains
     call reader%get(group, 'dynamic_load', self%rule%dynamic_load, error, tasks=group, not_allowed=geared, &
                     meaning='the load of the motion at each speed; false: the static load, as stiffness and relief share it')
     call reader%get(group, 'stress_factor', self%rule%stress_factor, error, tasks=group, not_allowed=geared, at_least=0.01_dp, &
-                    at_most=100.0_dp, meaning='what raises the root stress beside K_A and the dynamic load: K_F_beta K_F_alpha')
+                    at_most=100.0_dp, &
+                    meaning='what raises the root stress beside K_A and the dynamic load: K_F_beta K_F_alpha, with '// &
+                    '&face or a lead K_F_alpha alone')
     call reader%get(group, 'stress_ratio', self%rule%stress_ratio, error, tasks=group, not_allowed=geared, at_least=-10.0_dp, &
                     at_most=0.0_dp, meaning='least stress of a revolution over its largest: 0 for teeth loaded on one flank, '// &
                     '-1 or less for an idler, whose teeth are loaded on both')
@@ -513,7 +517,9 @@ contains
 
     if (allocated(error)) return
     self%rule%factors%application = stages%iso%application_factor
-    if (self%rule%has_contact()) self%rule%factors%face_load = face_load_factor(stages, self%rule%factors%face_load)
+    self%rule%factors%face_load = face_load_factor(stages, self%rule%factors%face_load)
+    self%rule%has_face = stages%faces%are_uneven()
+    if (self%rule%has_face) self%rule%root_face_load = maxval(stages%face_loads%root_factor)
     call find_nominal(stages, self%rule%factors%face_load, no_grade, nominal, error)
     if (.not. allocated(self%load_factor)) allocate (self%load_factor(size(self%own_rpm)), source=1.0_dp)
     call self%list_reliefs(stages, which)
@@ -560,6 +566,8 @@ contains
         end associate
       end if
       if (self%rule%has_contact()) call add_life_curves(self%limits, lines)
+      if (self%rule%has_face) call lines%add('   flanks with K_H_beta '//str(self%rule%factors%face_load, 4)// &
+        ', roots with K_F_beta '//str(self%rule%root_face_load, 4)//' by the load over the face width')
       call life%show(lines, 'relief_um gear largest_root_stress_mpa damage kind life_h largest_contact_stress_mpa '// &
                      'contact_damage contact_kind contact_life_h')
       call add_several(self%tables(self%place('life_parts')), lines)

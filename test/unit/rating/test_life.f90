@@ -538,6 +538,17 @@ contains
         end associate
       end do
     end do
+    ! Faces that meet unevenly: K_H_beta of the rating for the flanks, its K_F_beta for the roots.
+    call solve_case(t, gears//'&face misalignment_um = 20 / &life dynamic_load = .false. rpm = 3000 duration_h = 1 / ', &
+                    'life_parts', idler, material)
+    call solve_case(t, gears//'&face misalignment_um = 20 / &life rpm = 3000 duration_h = 1 / ', 'rating_factors', rating, material)
+    do i = 1, 2
+      call check_true(t, 'an uneven load', rating%number('root_face_load_factor', i) > 1.1_dp)
+      call check_close(t, 'K_F_beta', idler%number('root_stress_mpa', i)/parts%number('root_stress_mpa', i), &
+                       rating%number('root_face_load_factor', i), 1e-12_dp)
+      call check_close(t, 'K_H_beta', (idler%number('contact_stress_mpa', i)/parts%number('contact_stress_mpa', i))**2, &
+                       rating%number('face_load_factor', i), 1e-12_dp)
+    end do
   end subroutine helical_teeth
 
   !> Without relief and backlash the motion is in proportion to the load, and so is the stress.
