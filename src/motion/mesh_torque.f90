@@ -78,7 +78,7 @@ contains
     end do
   end subroutine find_torque
 
-  !> Number of steps of a mesh period with a length above zero: those between two simultaneous changes of contact have none.
+  !> Number of steps of a mesh period that last.
   pure integer function count_steps(trace)
     type(trace_t), intent(in) :: trace
     integer :: k
@@ -86,11 +86,14 @@ contains
     count_steps = count([(lasts(trace, k), k=1, trace%rows, 2)])
   end function count_steps
 
+  !> True if a step is so long that its length, a difference of phases, is known. Contacts that change at one place have steps
+  !> between their changes that are shorter.
   pure logical function lasts(trace, k)
     type(trace_t), intent(in) :: trace
     integer, intent(in) :: k                     ! first row of the step
+    real(dp), parameter :: shortest = 1e-9_dp    ! mesh periods
 
-    lasts = trace%phase(k + 1) > trace%phase(k)
+    lasts = trace%phase(k + 1) - trace%phase(k) > shortest
   end function lasts
 
   !> Acceleration over a step (m/s^2) as a polynomial of the time from 0 to 1 in it: that of the quintic. In steps much shorter
