@@ -11,7 +11,7 @@ import pytest
 import gearsweep
 
 TEETH, MASS, FORCE, PAIR, RATIO, ZETA = 25, 0.4, 5000.0, 3e8, 1.6, 0.04
-FIRST, LAST, STEP = 5000, 13000, 250
+FIRST, LAST, STEP = 5000, 13000, 100
 TEXT = f"""
 &case tasks = 'sweep', 'hysteresis', 'branches' /
 &pinion teeth = {TEETH} effective_mass_kg = {2 * MASS} /
@@ -66,8 +66,8 @@ def integrated_row(row):
 def test_hysteresis_and_the_other_direction_of_a_sweep(study):
     sweep = {row.rpm: row for row in rows_of(study.sweep)}
     directions, other = set(), 0
-    for row in rows_of(study.hysteresis)[::3]:
-        if row.status != 'ok':
+    for i, row in enumerate(rows_of(study.hysteresis)):
+        if row.status != 'ok' or (i % 7 > 0 and sweep[row.rpm].direction == 'both'):
             continue
         directions.add(row.direction)
         rms, peak, end = integrated_row(row)

@@ -41,7 +41,7 @@ RARE = {
 &case tasks = 'geometry', 'face_load', 'rating' /
 &pair module_mm = 2 face_width_mm = 26 helix_angle_deg = 20 pinion_hand = 'left' centre_distance_mm = 69.172 /
 &pinion teeth = 25 generating_shift = -0.02 / &gear teeth = 40 /
-&load line_load_n_mm = 150 / &rating rpm = 3000 / &section elements_across = 4 /
+&load line_load_n_mm = 150 / &rating rpm = 3000 / &section elements_across = 4 / &face_load misalignment_um = 0, 10 /
 ''',
     'rated': '''! Rating and life by the curves of the material, on a stiffness by ISO 6336.
 &case tasks = 'mesh', 'rating', 'life' /
