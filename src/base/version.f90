@@ -3,5 +3,5 @@ module gearsweep_base_version
   implicit none
   private
 
-  character(*), parameter, public :: version = '0.1.0'
+  character(*), parameter, public :: version = '0.2.0'
 end module gearsweep_base_version
