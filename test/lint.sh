@@ -47,8 +47,9 @@ bump() {
   done
   cd "$work/bump" || return
   headings() { sed -n 's/^## //p' CHANGELOG.md | head -n "$1" | tr '\n' ';'; }
+  "$python" app/version.py 8.1.0 && [ "$(headings 1)" = '8.1.0 - unreleased;' ] || return
   before=$(grep -c '^## ' CHANGELOG.md)
-  "$python" app/version.py 8.1.0 && [ "$(headings 1)" = '8.1.0 - unreleased;' ] && "$python" app/version.py 8.1.0 2030-12-31 &&
+  "$python" app/version.py 8.1.0 2030-12-31 &&
     [ "$(headings 1)" = '8.1.0 - 2030-12-31;' ] && [ "$(grep -c '^## ' CHANGELOG.md)" = "$before" ] && "$python" app/version.py 8.2.0 &&
     [ "$(headings 2)" = '8.2.0 - unreleased;8.1.0 - 2030-12-31;' ] && grep -qx 'date-released: 2030-12-31' CITATION.cff &&
     grep -q '(gearsweep 8.2 REQUIRED)' doc/linking.md && grep -qx 'gearsweep 8.2.0' README.md || return

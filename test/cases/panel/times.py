@@ -2,10 +2,12 @@
 
 First answer after the page is opened, a slider's redraw, and frames a second of the turning pair, each in the browser itself."""
 
+import shutil
 import statistics
 import tempfile
 
-from conftest import Front, Window, shutil, sync_playwright
+from conftest import Front, Window
+from playwright.sync_api import sync_playwright
 
 
 def main() -> None:

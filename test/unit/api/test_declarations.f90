@@ -128,7 +128,8 @@ contains
     call check_true(t, 'a unit that is not in the list', allocated(table%error))
   end subroutine units
 
-  !> Helical gears: the tasks geometry, face_load, sweep, rating and life and no other, with one sentence each for what is not allowed.
+  !> Helical gears: the tasks geometry, face_load, sweep, rating and life and no other, with one sentence each for what is not
+  !> allowed.
   subroutine helical(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: only = ' is for spur gears; for helical gears &case tasks can have geometry, '// &
