@@ -919,8 +919,9 @@ contains
     type(error_t), intent(in) :: error
     character(*), intent(in) :: key
 
-    is_refusal = error%code == code_input .and. (index(error%message, key) == 1 .or. index(error%message, '&case tasks') == 1) &
-                 .and. index(error%message, 'must be a') == 0
+    is_refusal = error%code == code_input .and. index(error%message, 'must be a') == 0 .and. &
+                 (index(error%message, key) == 1 .or. index(error%message, '&case tasks') == 1 .or. &
+                  index(error%message, ' for the load over the face width') > 0)
   end function is_refusal
 
   !> Does a list as `tasks: &group key, key; &group key` name the key?
