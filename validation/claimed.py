@@ -877,11 +877,6 @@ def mutants(room):
     return [*total, 100 * total[1] / total[0]]
 
 
-def life_spectrum():
-    """Hours of both parts of the example of doc/strength.md."""
-    return shown('strength', r'duration_h = ([\d.e]+), ([\d.e]+)')
-
-
 def cut_digits():
     """First frequency of Hassan et al. in rad/s and what that is in Hz; alpha, beta and the time in engagement as printed."""
     omega = printed_of('hassan2009', 'mode_1_rad_s')
