@@ -12,7 +12,7 @@ module test_support_springs_in_motion
   public :: table_t, steps, set_in_motion, tabulate_springs, add_up, march
 
   !> Steps of a mesh period.
-  integer, parameter :: steps = 200
+  integer, parameter :: steps = 240
 
   !> Loads of the pairs over the deflection at the half steps of a mesh period.
   type :: table_t
@@ -44,11 +44,10 @@ contains
     spacing = ceiling(osc%mesh%contact_ratio)
   end function spacing_of
 
-  !> Computes the load (N) of each pair at a half step and a deflection (m), and the stiffness of all (N/m), from their springs.
-  pure subroutine add_up(osc, at, x, force, stiffness)
+  !> Computes the load (N) of each pair at a mesh phase and a deflection (m), and the stiffness of all (N/m), from their springs.
+  pure subroutine add_up(osc, phase, x, force, stiffness)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: at
-    real(dp), intent(in) :: x
+    real(dp), intent(in) :: phase, x
     real(dp), intent(out) :: force(:), stiffness
     real(dp) :: s
     integer :: j, m
@@ -56,8 +55,7 @@ contains
     force = 0
     stiffness = 0
     do j = 1, size(force)
-      s = at/(2.0_dp*steps) + (j - 1)
-      if (at == 0) s = s + 1e-9_dp
+      s = max(phase, 1e-9_dp) + (j - 1)
       if (s > osc%mesh%contact_ratio) cycle
       do m = 0, merge(springs_of_pair, 1, osc%mesh%spacing > 0) - 1
         associate (e => osc%mesh%profile_error%value(s - m*spacing_of(osc)), k => osc%mesh%stiffness%value(s - m*spacing_of(osc)))
@@ -69,7 +67,8 @@ contains
     end do
   end subroutine add_up
 
-  !> Tabulates the loads of springs: at each half step the corners of all pairs' polygons.
+  !> Tabulates the loads of the pairs over the deflection, at each half step at those deflections at which a spring begins to carry:
+  !> between them the loads are linear.
   pure subroutine tabulate_springs(osc, table)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(out) :: table
@@ -93,7 +92,7 @@ contains
         corner = sorted(corner)
         table%deflection(:, at) = corner
         do i = 1, size(corner)
-          call add_up(osc, at, corner(i), table%force(i, :, at), slope)
+          call add_up(osc, at/(2.0_dp*steps), corner(i), table%force(i, :, at), slope)
         end do
       end do
     end associate
