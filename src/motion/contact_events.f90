@@ -23,7 +23,8 @@ module gearsweep_motion_contact_events
   !> chatters.
   integer, parameter :: most_events = 40, most_extra = 1000
 
-  !> Longest step over which a motion is extrapolated, rad of the natural motion: the polynomial's error is some (1.5/2)^8/8! there.
+  !> Longest step over which a motion is extrapolated, rad of the natural motion. Half way the polynomial of an oscillation of unit
+  !> amplitude has the error (1.5/2)^8/8! = 2.5e-6.
   real(dp), parameter :: longest_extrapolated = 1.5_dp
 
   !> Computing time of an event, in steps.
@@ -223,7 +224,7 @@ contains
     do l = 1, map%speeds
       if (.not. alike(l) .or. motions%extrapolates(l) .or. motions%width(l) < 1) cycle
       part = longest_part(map, arc%step, l)
-      ! The part ends a little behind the event, where its propagator is most exact.
+      ! The part ends just after the event: near the end of a part its polynomial has the accuracy of the propagator.
       if (is_smooth(map, arc%step)) part = min(part, 1.01_dp*motions%place(l))
       if (part >= 1) cycle
       ! The step is repeated in parts.
@@ -301,17 +302,22 @@ contains
     type(period_t), intent(inout) :: period(:)
     real(dp), parameter :: same = 1e-9_dp        ! events so near are at one place
     real(dp) :: approach(batch_size)
-    integer :: l, contact_set
+    logical :: extrapolates
+    integer :: before, l, contact_set
 
     contact_set = ieor(arc%contact_set, ibset(0, contact - 1))
-    call reach(map, arc, contact, contact_set, which, motions, approach)
+    extrapolates = any(arc%alike .and. motions%extrapolates)
+    before = which
+    ! Polynomials of a whole step may have been replaced since.
+    if (extrapolates) call need_dense_step(map, arc%step, arc%contact_set, before)
+    call reach(map, arc, contact, contact_set, before, motions, approach)
     do l = 1, map%speeds
       if (.not. arc%alike(l)) cycle
       call set_contact(map%osc, l, contact, .not. in_contact(arc%contact_set, contact), state%contact_set(l), &
                        state%contacts(contact))
       call record_contact(map%osc, contact_set, map%table%full(arc%step), map%table%between(arc%step), period(l))
       motions%found(l) = .true.
-      ! Pairs without profile error part and meet at one place.
+      ! Pairs without profile error open, and close, all at once: the same contact must not change again there.
       if (arc%to(l) - motions%from(l) > same) motions%changed(l) = 0
       motions%changed(l) = ibset(motions%changed(l), contact - 1)
       motions%events(l) = motions%events(l) + 1
@@ -322,7 +328,7 @@ contains
                          excites(map, arc%step, l, abs(approach(l)), arc%to(l))
       motions%active(l) = .not. period(l)%failed
     end do
-    if (any(arc%alike .and. motions%extrapolates)) then
+    if (extrapolates) then
       call extrapolate(map, arc, contact_set, motions)
     else
       do l = 1, map%speeds
@@ -332,18 +338,18 @@ contains
   end subroutine cross
 
   !> Computes the motions' states at their events and the derivatives of these, over the step.
-  pure subroutine reach(map, arc, contact, contact_set, which, motions, approach)
+  pure subroutine reach(map, arc, contact, contact_set, before, motions, approach)
     type(period_map_t), intent(inout) :: map
     type(arc_t), intent(in) :: arc
     integer, intent(in) :: contact               !< the contact that changes
     integer, intent(in) :: contact_set           !< contact set after the event
-    integer, intent(in) :: which                 !< index of the arc's polynomials
+    integer, intent(in) :: before                !< index of the polynomials before the event
     type(motions_t), intent(inout) :: motions
     real(dp), intent(out) :: approach(batch_size)        !< relative speed of the flanks, m over the step
     real(dp), dimension(batch_size) :: u, x0, v0, x1, v1, x2, v2
     real(dp), dimension(0:5) :: touching, k1, k2
     real(dp) :: jump
-    integer :: before, l, law
+    integer :: l, law
 
     associate (n => map%speeds, step => arc%step, table => map%table, v => motions%v, p => motions%derivative)
       call need_law(map%osc, step, arc%contact_set, map%table, law)
@@ -351,9 +357,6 @@ contains
       k1 = curve_over(table%end_omega_squared(:, :, law), table%width(step))
       call need_law(map%osc, step, contact_set, map%table, law)
       k2 = curve_over(table%end_omega_squared(:, :, law), table%width(step))
-      before = which
-      ! Another contact's change may have replaced them.
-      if (any(arc%alike .and. motions%extrapolates)) call need_dense_step(map, step, arc%contact_set, before)
       u = (arc%to - arc%left)/arc%width
       call states_at(n, map%dense(before)%c(:, :, by_place), u, x1, v1)
       call states_at(n, map%dense(before)%c(:, :, by_speed), u, x2, v2)

@@ -140,7 +140,7 @@ contains
     end do
   end subroutine find_response
 
-  !> Assigns the load of all springs of a pair in contact to the last of them, which touches first.
+  !> Adds up the loads of all closed springs of a pair. The sum is the load of the spring that touches first, the last of them.
   pure subroutine join_springs(contact_set, spacing, stiffness, effective, weight)
     integer, intent(in) :: contact_set, spacing
     real(dp), intent(in) :: stiffness(0:, :)     !< 0 for a spring that is open; (derivative, spring)

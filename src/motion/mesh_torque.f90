@@ -78,7 +78,7 @@ contains
     end do
   end subroutine find_torque
 
-  !> Number of steps of a mesh period that last.
+  !> Number of steps of a mesh period whose length is known.
   pure integer function count_steps(trace)
     type(trace_t), intent(in) :: trace
     integer :: k
@@ -86,8 +86,8 @@ contains
     count_steps = count([(lasts(trace, k), k=1, trace%rows, 2)])
   end function count_steps
 
-  !> True if a step is so long that its length, a difference of phases, is known. Contacts that change at one place have steps
-  !> between their changes that are shorter.
+  !> True if the length of a step, a difference of phases, is far above their rounding. Between contacts that change at one place
+  !> it is not.
   pure logical function lasts(trace, k)
     type(trace_t), intent(in) :: trace
     integer, intent(in) :: k                     ! first row of the step

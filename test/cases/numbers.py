@@ -390,7 +390,7 @@ def motions():
         if row['derivative'] == 'smooth':
             for side in ('slope_below', 'slope_above'):
                 near(side, row[side], row['slope'], 1e-5, 10 * row['error_estimate'])
-    kept = table('hysteresis')
+    kept, alike = table('hysteresis'), 0
     for row in kept:
         other = [one for one in table('sweep') if one['rpm'] == row['rpm'] and one['relief_um'] == row['relief_um']]
         if not other:
@@ -399,9 +399,15 @@ def motions():
                                                (other[0]['dynamic_factor'], other[0]['other_dynamic_factor'])))  # fmt: skip
         # Where there is one motion only: from another start, and in steps of another level.
         if other[0]['direction'] == 'both':
-            both = row['error_estimate'] + other[0]['error_estimate']
-            near('one motion of a slow run, within the estimates', row['dynamic_factor'], other[0]['dynamic_factor'], 0, both)
-            true('estimate of a slow run, to a level of steps', 1 / 4 < other[0]['error_estimate'] / row['error_estimate'] < 4)
+            beside = other[0]
+            both = row['error_estimate'] + beside['error_estimate']
+            near('one motion of a slow run, within the estimates', row['dynamic_factor'], beside['dynamic_factor'], 0, both)
+            # Equal to rounding: in the same steps.
+            if abs(row['dynamic_factor'] - beside['dynamic_factor']) < 1e-11:
+                alike += 1
+                near('estimate of a slow run, in the same steps', row['error_estimate'], beside['error_estimate'], 0.01)
+            true('estimate of a slow run, to a level of steps', 1 / 4 < beside['error_estimate'] / row['error_estimate'] < 4)
+    true('slow runs in the steps of the sweep', alike > 0)
     for row in kept:
         for one in rows_of(all_motions, row, 'relief_um', 'rpm'):
             if abs(one['dynamic_factor'] - row['dynamic_factor']) < 1e-6:
