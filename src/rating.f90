@@ -24,8 +24,8 @@ module gearsweep_rating
   ! Passage of the load over a tooth.
   use gearsweep_rating_passage, only: load_places, pass_path, pass_static, passage_options_t, passage_t, place_radius
   ! Fatigue life of the tooth root under the loads of a pair over its path of contact.
-  use gearsweep_rating_root_life, only: add_engagement, by_gerber, by_goodman, by_iso, by_soderberg, curve_t, damage_of, &
-    root_history, root_life, root_life_t, strength_t
+  use gearsweep_rating_root_life, only: by_gerber, by_goodman, by_iso, by_soderberg, curve_t, damage_of, root_history, root_life, &
+    root_life_t, strength_t
   ! Root stress over the path of contact under the actual load of each pair.
   use gearsweep_rating_root_rating, only: find_stress_field, load_positions, load_radius, outer_point, rate_root, root_options_t, &
     root_rating_t, shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path, stress_field_t

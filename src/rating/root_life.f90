@@ -8,8 +8,7 @@ module gearsweep_rating_root_life
   use gearsweep_rating_form, only: iso_form, nominal_root_stress
   implicit none
   private
-  public :: curve_t, cycle_t, strength_t, count_cycles, damage_of, equivalent_amplitude, root_life_t, root_life, &
-            add_engagement, root_history
+  public :: curve_t, cycle_t, strength_t, count_cycles, damage_of, equivalent_amplitude, root_life_t, root_life, root_history
 
   integer, parameter, public :: mean_ignored = 0, by_goodman = 1, by_gerber = 2, by_soderberg = 3, by_iso = 4
 
@@ -38,7 +37,6 @@ module gearsweep_rating_root_life
   type :: root_life_t
     real(dp) :: largest = 0                      !< largest root stress, Pa
     type(cycle_t) :: worst                       !< cycle of largest damage
-    real(dp) :: most = -1                        !< its damage; 2 where it exceeds the strength
     real(dp) :: equivalent = 0                   !< its equivalent amplitude without mean stress, Pa
     real(dp) :: cycles = 0                       !< number of cycles of an engagement
     real(dp) :: damage = 0                       !< Miner's sum of an engagement; NaN where the strength is exceeded
@@ -128,56 +126,42 @@ contains
     damage = exp(min(0.0_dp, -log(curve%cycles(i)) - slope*log(amplitude/curve%stress(i))))
   end function damage_of
 
-  !> Damage of one engagement from the loads over the path. A motion that repeats after several mesh periods has as many different
-  !> engagements; a tooth meets each of them equally often.
-  pure type(root_life_t) function root_life(pair, gear, which, s, load, rim, stress_ratio, strength, curve) result(life)
-    type(pair_t), intent(in) :: pair
-    integer, intent(in) :: gear                !< 1 pinion, 2 gear
-    integer, intent(in) :: which(:)              !< index of the pair, from 1, ascending; (row)
-    real(dp), intent(in) :: s(:)                 !< path coordinate of the pair, base pitches; (row)
-    real(dp), intent(in) :: load(:)              !< load of the pair, N; (row)
-    real(dp), intent(in) :: rim                  !< rim thickness, m; 0: a solid disc
+  !> Damage of one engagement from its stress. A motion that repeats after several mesh periods has as many different engagements; a
+  !> tooth meets each of them equally often.
+  pure type(root_life_t) function root_life(which, stress, stress_ratio, strength, curve) result(life)
+    integer, intent(in) :: which(:)              !< index of the engagement, from 1, ascending; (row)
+    real(dp), intent(in) :: stress(:)            !< tooth root stress, Pa; (row)
     real(dp), intent(in) :: stress_ratio         !< least stress of a revolution over its largest
     type(strength_t), intent(in) :: strength
     type(curve_t), intent(in) :: curve
-    integer :: i, pairs
-
-    pairs = maxval(which)
-    do i = 1, pairs
-      call add_engagement(root_history(pair, gear, pack(s, which == i), pack(load, which == i), rim), 1.0_dp/pairs, stress_ratio, &
-                          strength, curve, life)
-    end do
-  end function root_life
-
-  !> Adds the damage of an engagement to the mean over all different ones.
-  pure subroutine add_engagement(stress, share, stress_ratio, strength, curve, life)
-    real(dp), intent(in) :: stress(:)            !< stress over the path, Pa
-    real(dp), intent(in) :: share                !< part of all engagements that are like it
-    real(dp), intent(in) :: stress_ratio         !< least stress of a revolution over its largest
-    type(strength_t), intent(in) :: strength
-    type(curve_t), intent(in) :: curve
-    type(root_life_t), intent(inout) :: life     !< mean over the engagements
     type(cycle_t), allocatable :: cycles(:)
-    real(dp) :: amplitude, harm
-    integer :: k
+    real(dp) :: amplitude, harm, most
+    integer :: i, k, engagements
 
+    engagements = maxval(which)
+    most = -1
     life%largest = max(life%largest, maxval(stress))
-    cycles = count_cycles([stress, 0.0_dp, stress_ratio*maxval(stress), 0.0_dp])
-    life%cycles = life%cycles + share*size(cycles)
-    do k = 1, size(cycles)
-      amplitude = equivalent_amplitude(cycles(k), strength)
-      life%is_over = life%is_over .or. amplitude < 0
-      harm = damage_of(curve, amplitude)
-      life%damage = life%damage + share*harm
-      if (amplitude < 0) harm = 2
-      if (harm < life%most .or. (harm <= life%most .and. cycles(k)%amplitude <= life%worst%amplitude)) cycle
-      life%most = harm
-      life%worst = cycles(k)
-      life%equivalent = amplitude
-      if (amplitude < 0) life%equivalent = no_number()
+    do i = 1, engagements
+      associate (history => pack(stress, which == i))
+        cycles = count_cycles([history, 0.0_dp, stress_ratio*maxval(history), 0.0_dp])
+      end associate
+      life%cycles = life%cycles + size(cycles)/real(engagements, dp)
+      do k = 1, size(cycles)
+        amplitude = equivalent_amplitude(cycles(k), strength)
+        life%is_over = life%is_over .or. amplitude < 0
+        harm = damage_of(curve, amplitude)
+        life%damage = life%damage + harm/engagements
+        if (amplitude < 0) harm = 2
+        if (harm < most .or. (harm <= most .and. cycles(k)%amplitude <= life%worst%amplitude)) cycle
+        most = harm
+        life%worst = cycles(k)
+        life%equivalent = amplitude
+      end do
     end do
-    if (life%is_over) life%damage = no_number()
-  end subroutine add_engagement
+    if (.not. life%is_over) return
+    life%damage = no_number()
+    if (life%equivalent < 0) life%equivalent = no_number()
+  end function root_life
 
   !> Tooth root stress (Pa) by ISO 6336-3, with form factors for the position of the load; beyond the path of contact that of its
   !> end.

@@ -3,18 +3,19 @@
 !> The root stress of each engagement follows from the load of the motion, or from the static load, in each part of the
 !> spectrum.
 module gearsweep_study_tasks_life
-  use gearsweep_base, only: axis, claim_memory, code_input, code_memory, dp, each, error_t, fail, lines_t, no_number, str, &
+  use gearsweep_base, only: axis, claim_memory, code_input, dp, each, error_t, fail, lines_t, no_number, str, &
     table_t, wants_stop
-  use gearsweep_motion, only: has_result, oscillator_t, point_t, response_t, status_ok, status_stopped
-  use gearsweep_rating, only: add_engagement, by_gerber, by_goodman, by_iso, by_soderberg, contact_stress, curve_t, damage_of, &
-    dynamic_factor_a, load_factors_t, material_length, no_grade, nominal_t, root_life, root_life_t, sn_curve, strength_t
+  use gearsweep_motion, only: has_result, oscillator_t, response_t, status_ok, status_stopped
+  use gearsweep_rating, only: by_gerber, by_goodman, by_iso, by_soderberg, contact_stress, curve_t, damage_of, &
+    dynamic_factor_a, load_factors_t, material_length, no_grade, nominal_t, root_history, root_life, root_life_t, sn_curve, &
+    strength_t
   use gearsweep_study_case_task, only: case_facts_t, check_reliefs, gear_names, needs_moving, stage, task_info_t
   use gearsweep_study_reader_reader, only: first_nonblank, is_prescribed, needs_gears, reader_t, sentence_length, text_unless
   use gearsweep_study_run_case_variation, only: case_variation_t, vary_force
   use gearsweep_study_run_face_stage, only: build_face_motion
   use gearsweep_study_run_flank_paths, only: follow_motion, follow_static, path_t
-  use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_motion, find_point, known_count, &
-    of_factor, of_motions, of_relief, of_speed, of_status, words_of
+  use gearsweep_study_run_points, only: add_caution, add_equal_flanks, add_several, find_motion, known_count, of_factor, &
+    of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_study_run_stages, only: runnable_t, stages_t
   use gearsweep_study_tasks_rating, only: add_life_curves, face_load_factor, find_nominal, largest_share, limits_t, &
     read_load_factors, read_material
@@ -94,39 +95,52 @@ contains
     type(nominal_t), intent(in) :: nominal       !< nominal stresses under the load of the case
     type(part_t), intent(out) :: part
     type(error_t), allocatable, intent(inout) :: error
+    type(case_variation_t) :: case
     type(oscillator_t) :: osc
+    type(response_t) :: response
     type(path_t) :: path
     real(dp) :: factor, dynamic
-    logical :: has_path
+    logical :: is_helical
     integer :: i
 
-    ! The loads of helical pairs are known for their whole lines of contact, so that their roots have K_v too.
-    has_path = .not. stages%pair%overlap_ratio > 0
-    call build_under(stages, relief, load_factor, rule%dynamic_load, osc, error)
-    if (allocated(error)) return
-    if (has_path) then
-      call follow_loads(stages, osc, rpm, rule%dynamic_load, path, part, error)
-    else
-      call find_factor(stages, osc, rpm, rule%dynamic_load, part, error)
+    is_helical = stages%pair%overlap_ratio > 0
+    if (.not. is_helical) then
+      case = case_variation_t(stages%motions_inputs, stages%amount(relief))
+      call case%set(vary_force, stages%load*load_factor)
+      call case%build(osc, error)
+    else if (rule%dynamic_load) then
+      call build_face_motion(stages, .false., relief, stages%load*load_factor, osc, error)
     end if
     if (allocated(error)) return
+    path%dynamic_factor = no_number()
+    if (rule%dynamic_load) then
+      call find_motion(osc, rpm, stages%accuracy, response, part%motions)
+      call follow_motion(stages%pair, response, osc%load, '&life rpm', path, error)
+      if (allocated(error)) return
+    else if (.not. is_helical) then
+      call follow_static(stages%pair, osc, path)
+    end if
+    part%status = path%status
+    part%dynamic_factor = path%dynamic_factor
     associate (teeth => stages%pair%gear%spec%teeth)
       part%engagements = rpm/60*duration*teeth(1)/teeth
     end associate
     if (.not. has_result(part%status)) return
     dynamic = 1
-    if (rule%dynamic_load .and. (rule%has_contact() .or. .not. has_path)) &
+    if (rule%dynamic_load .and. (rule%has_contact() .or. is_helical)) &
       dynamic = dynamic_factor_a(part%dynamic_factor, largest_share(osc))
     factor = rule%stress_factor*rule%root_face_load*stages%iso%application_factor
     do i = 1, 2
-      if (has_path) then
-        part%root(i) = root_life(stages%pair, i, path%pair, path%s, factor*path%load, stages%iso%rim_thickness(i), &
-                                 rule%stress_ratio, rule%strength(i), rule%curve(i))
-      else
-        ! Source: ISO 6336-3:2006, clause 5, and ISO 6336-6:2006, clause 5: one load cycle for each engagement.
-        call add_engagement([factor*dynamic*load_factor*nominal%root(i)], 1.0_dp, rule%stress_ratio, rule%strength(i), &
-                            rule%curve(i), part%root(i))
-      end if
+      associate (strength => rule%strength(i), curve => rule%curve(i), rim => stages%iso%rim_thickness(i))
+        if (is_helical) then
+          ! Form factors are known for one place of the load only: an engagement is one load cycle.
+          ! Source: ISO 6336-3:2006, clause 5, and ISO 6336-6:2006, clause 5.
+          part%root(i) = root_life([1], [factor*dynamic*load_factor*nominal%root(i)], rule%stress_ratio, strength, curve)
+        else
+          part%root(i) = root_life(path%pair, root_history(stages%pair, i, path%s, factor*path%load, rim), rule%stress_ratio, &
+                                   strength, curve)
+        end if
+      end associate
     end do
     if (rule%has_contact()) then
       ! K_v by Method A as in the task `rating`, and one load cycle for each engagement.
@@ -138,67 +152,6 @@ contains
       end do
     end if
   end subroutine follow_part
-
-  !> Builds the oscillator of a relief under a multiple of the load of the case.
-  subroutine build_under(stages, relief, load_factor, is_dynamic, osc, error)
-    type(stages_t), intent(in) :: stages
-    integer, intent(in) :: relief                ! index among the reliefs of the case
-    real(dp), intent(in) :: load_factor
-    logical, intent(in) :: is_dynamic            ! false: of helical gears no oscillator is needed
-    type(oscillator_t), intent(out) :: osc
-    type(error_t), allocatable, intent(inout) :: error
-    type(case_variation_t) :: case
-
-    if (stages%pair%overlap_ratio > 0) then
-      if (is_dynamic) call build_face_motion(stages, .false., relief, stages%load*load_factor, osc, error)
-    else
-      case = case_variation_t(stages%motions_inputs, stages%amount(relief))
-      call case%set(vary_force, stages%load*load_factor)
-      call case%build(osc, error)
-    end if
-  end subroutine build_under
-
-  !> Follows the load of a pair over the path of contact.
-  subroutine follow_loads(stages, osc, rpm, is_dynamic, path, part, error)
-    type(stages_t), intent(in) :: stages
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm                  ! speed of the pinion, 1/min
-    logical, intent(in) :: is_dynamic            ! false: the static load
-    type(path_t), intent(inout) :: path
-    type(part_t), intent(inout) :: part
-    type(error_t), allocatable, intent(inout) :: error
-    type(response_t) :: response
-
-    if (.not. is_dynamic) then
-      call follow_static(stages%pair, osc, path)
-    else
-      call find_motion(osc, rpm, stages%accuracy, response, part%motions)
-      call follow_motion(stages%pair, response, osc%load, '&life rpm', path, error)
-      if (allocated(error)) return
-    end if
-    part%status = path%status
-    part%dynamic_factor = path%dynamic_factor
-  end subroutine follow_loads
-
-  !> Finds the dynamic factor alone.
-  subroutine find_factor(stages, osc, rpm, is_dynamic, part, error)
-    type(stages_t), intent(in) :: stages
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm                  ! speed of the pinion, 1/min
-    logical, intent(in) :: is_dynamic            ! false: the static load
-    type(part_t), intent(inout) :: part
-    type(error_t), allocatable, intent(inout) :: error
-    type(point_t) :: point
-    logical :: out_of_memory
-
-    part%dynamic_factor = no_number()
-    if (.not. is_dynamic) return
-    call find_point(osc, rpm, stages%accuracy, point, part%motions, out_of_memory)
-    if (out_of_memory) call fail(error, code_memory, '&life rpm = '//str(rpm)//': the memory does not hold the motion')
-    if (allocated(error)) return
-    part%status = point%steady%status
-    if (has_result(part%status)) part%dynamic_factor = point%dynamic_factor
-  end subroutine find_factor
 
   !> Fills a row for each relief, part and gear.
   subroutine fill_parts(rule, spectrum, amount, parts, table, error)
@@ -227,7 +180,8 @@ contains
     call table%add_words('status', of_status, words_of(each([parts%status], 2)))
     call table%add('motions', '', of_motions//'; also under the static load', known_count(each([parts%motions], 2)))
     call table%add('engagements', '', 'how often a tooth carries', engagements)
-    call table%add('root_stress_mpa', 'MPa', 'largest tooth root stress, by ISO 6336-3 with the load where it acts', [root%largest])
+    call table%add('root_stress_mpa', 'MPa', 'largest tooth root stress by ISO 6336-3, of spur gears with the load where '// &
+                   'it acts', [root%largest])
     call table%add('amplitude_mpa', 'MPa', 'stress amplitude of the cycle that does most harm', [root%worst%amplitude])
     call table%add('mean_mpa', 'MPa', 'mean stress of that cycle', [root%worst%mean])
     call table%add('equivalent_amplitude_mpa', 'MPa', 'amplitude that does the same harm without mean stress; NaN where the '// &
@@ -519,8 +473,8 @@ contains
     self%rule%factors%application = stages%iso%application_factor
     self%rule%factors%face_load = face_load_factor(stages, self%rule%factors%face_load)
     self%rule%has_face = stages%faces%are_uneven()
-    if (self%rule%has_face) self%rule%root_face_load = maxval(stages%face_loads%root_factor)
     call find_nominal(stages, self%rule%factors%face_load, no_grade, nominal, error)
+    if (self%rule%has_face) self%rule%root_face_load = nominal%root_face_load
     if (.not. allocated(self%load_factor)) allocate (self%load_factor(size(self%own_rpm)), source=1.0_dp)
     call self%list_reliefs(stages, which)
     call claim_memory(1000.0_dp*size(which)*size(self%own_rpm), '&life rpm: '//str(size(which)*size(self%own_rpm))// &

@@ -271,7 +271,8 @@ contains
     end do
   end subroutine need_method_b
 
-  !> Computes the nominal stresses under the load of the case; roots of helical gears by their virtual gears.
+  !> Computes the nominal stresses under the load of the case, of helical roots by their virtual gears. K_F_beta of uneven faces is
+  !> that of the load over the face width.
   subroutine find_nominal(stages, face_load, grade, nominal, error)
     type(stages_t), intent(in) :: stages
     real(dp), intent(in) :: face_load            !< face load factor K_H_beta
@@ -287,6 +288,7 @@ contains
       virtual = normal%gear
     end if
     nominal = nominal_of(stages%pair, stages%material, stages%load, stages%iso%rim_thickness, face_load, grade, virtual)
+    if (stages%faces%are_uneven()) nominal%root_face_load = maxval(stages%face_loads%root_factor)
   end subroutine find_nominal
 
   !> Largest static load of a pair over the static load of the mesh.
@@ -393,7 +395,6 @@ contains
         call stages%running%report_progress(1, stages%accuracy%steady%stop)
       end do
     end do
-    if (self%has_face) nominal%root_face_load = maxval(stages%face_loads%root_factor)
     call fill_dynamic(stages, self%own_rpm, of, point, motions, self%tables(self%place('dynamic_factors')), error)
     call fill_factors(stages, self, nominal, of(1), self%tables(self%place('rating_factors')), error)
     call fill_rating(self, nominal, stages%amount, [stages%pair%gear%spec%teeth], self%tables(self%place('rating')), error)
