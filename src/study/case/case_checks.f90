@@ -30,8 +30,8 @@ contains
         ' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     end do
     if (case%prescribed) call check_prescribed(case, error)
-    if (case%needs_face_load() .or. case%has_uneven_motion()) call check_face(case, error)
-    if (case%is_helical()) call check_helical(case, error)
+    if (case%needs_face_load() .or. case%has_uneven_motion() .or. case%is_helical() .and. case%needs(stage%mesh)) &
+      call check_face(case, error)
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &
@@ -51,21 +51,7 @@ contains
     end do
   end subroutine check_case
 
-  !> Refuses what the tasks of helical gears do not have: their stiffness and motion follow from the load over the face width.
-  subroutine check_helical(case, error)
-    type(case_t), intent(in) :: case
-    type(error_t), allocatable, intent(inout) :: error
-
-    if (.not. case%needs(stage%mesh)) return
-    if (case%model /= 'fe') call fail(error, code_input, '&pair helix_angle_deg = '// &
-      str(abs(case%spec(1)%helix_angle)*180/pi)//': for helical gears &mesh model must be ''fe''')
-    if (.not. case%needs(stage%motion)) return
-    call check_face(case, error)
-    if (case%friction > 0) call fail(error, code_input, '&dynamics friction = '//str(case%friction)// &
-                                     ': must be 0 for helical gears; remove it')
-  end subroutine check_helical
-
-  !> Refuses bodies and stiffnesses whose load over the face width is not known, and friction in its motion.
+  !> Refuses bodies and stiffnesses whose load over the face width is not known, and friction in the motions that follow from it.
   subroutine check_face(case, error)
     type(case_t), intent(in) :: case
     type(error_t), allocatable, intent(inout) :: error
@@ -84,8 +70,10 @@ contains
     ! The pair stiffness of a gear with a web has a rim that is free inside, unless the section says otherwise.
     if (any(case%iso%web_thickness > 0) .and. .not. (case%has_support .or. case%section%rim > 0 .or. case%section%teeth == 0)) &
       call fail(error, code_input, tasks//'bodies held inside: of gears with a web, &section fixed = ''sides'', ''rim''')
-    if (case%has_uneven_motion() .and. .not. case%is_helical() .and. case%friction > 0) call fail(error, code_input, &
-      '&dynamics friction = '//str(case%friction)//': must be 0 in a sweep with uneven faces; remove it, or &face and the leads')
+    if (case%friction > 0 .and. case%is_helical() .and. case%needs(stage%motion)) call fail(error, code_input, &
+      '&dynamics friction = '//str(case%friction)//': must be 0 for helical gears; remove it')
+    if (case%friction > 0 .and. case%has_uneven_motion()) call fail(error, code_input, '&dynamics friction = '// &
+      str(case%friction)//': must be 0 in a sweep with uneven faces; remove it, or &face and the leads')
   end subroutine check_face
 
   !> Refuses keys of a prescribed mesh that follow from gears.

@@ -167,7 +167,7 @@ contains
     call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''iso6336''', 'face_load', &
                '&mesh model = ''iso6336'': must be ''fe'' for the load over the face width')
     call state('helix_angle_deg = 15'//load(.true.)//' / &mesh model = ''weber'' / &rating rpm = 500', 'rating', &
-               '&pair helix_angle_deg = 15: for helical gears &mesh model must be ''fe''')
+               '&mesh model = ''weber'': must be ''fe'' for the load over the face width')
     call state('helix_angle_deg = 32'//load(.true.)//speeds, 'sweep', &
                '&pair helix_angle_deg = 32: must be at most 30 for the load over the face width')
     call state('helix_angle_deg = 32'//load(.true.)//' / &rating rpm = 500', 'rating', &

@@ -914,14 +914,14 @@ contains
                                       verify(text(3:3), '0123456789') == 0
   end function is_exponent
 
-  !> The key itself, or what the mesh is, is the fault; not the size of a number.
+  !> True if the key itself, the tasks or the model of the mesh is at fault, and not the size of a number.
   logical function is_refusal(error, key)
     type(error_t), intent(in) :: error
     character(*), intent(in) :: key
 
     is_refusal = error%code == code_input .and. index(error%message, 'must be a') == 0 .and. &
                  (index(error%message, key) == 1 .or. index(error%message, '&case tasks') == 1 .or. &
-                  index(error%message, ' for the load over the face width') > 0)
+                  index(error%message, '&mesh model = ') == 1)
   end function is_refusal
 
   !> Does a list as `tasks: &group key, key; &group key` name the key?
