@@ -267,11 +267,14 @@ contains
     call add_webs(study, lines)
     call add_decisive_inputs(study, lines)
     if (study%case%faces%are_uneven() .and. study%case%needs(stage%face) .and. study%case%needs(stage%losses)) then
-      if (allocated(study%uneven_motion)) call lines%add(left('Faces', 19)//'uneven in the sweep, the mean mesh stiffness and '// &
-        'the natural frequency; parallel in all other motions')
-      if (allocated(study%uneven_motion) .and. study%case%has_corner_contact()) call lines%add(left('', 19)//'the sweep has no '// &
-        'contact of tip corners: compare it with corner_contact = .false. of parallel faces')
-      if (.not. allocated(study%uneven_motion)) call lines%add(left('Faces', 19)//'parallel in the motion')
+      if (allocated(study%uneven_motion)) then
+        call lines%add(left('Faces', 19)//'uneven in the sweep, the mean mesh stiffness and the natural frequency; parallel in '// &
+                       'all other motions')
+        if (study%case%has_corner_contact()) call lines%add(left('', 19)//'the sweep has no contact of tip corners: compare it '// &
+                                                            'with corner_contact = .false. of parallel faces')
+      else
+        call lines%add(left('Faces', 19)//'parallel in the motion')
+      end if
     end if
     call lines%put(left('Natural frequency', 19)//str(table%number('natural_frequency_hz'), 5)//' Hz: the mesh excites it at '// &
                    str(table%number('resonance_rpm'), 5)//' rpm of the pinion')

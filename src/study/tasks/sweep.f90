@@ -17,7 +17,6 @@ module gearsweep_study_tasks_sweep
   character(*), parameter :: of_other = 'with direction both: largest DF over the speeds in the direction in which it is smaller'
 
   type, extends(runnable_t) :: sweep_task_t
-    logical :: is_uneven = .false.               !< true: the faces meet unevenly
   contains
     procedure, nopass :: describe
     procedure :: run, add_report
@@ -43,8 +42,7 @@ contains
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
 
-    self%is_uneven = allocated(stages%uneven_motion)
-    if (self%is_uneven) then
+    if (allocated(stages%uneven_motion)) then
       call run_motions(self, stages, stages%uneven_motion, error)
     else
       call run_motions(self, stages, stages%motion, error)
@@ -337,7 +335,7 @@ contains
       end associate
       if (worst%rows > 1 .and. .not. ieee_is_nan(all_points%number('rpm'))) call lines%add(left('Best of the list', 19)// &
         str(all_points%number('best_relief_um'))//' um: worst DF '//fixed(all_points%number('worst_dynamic_factor'), 4))
-      call add_quality(all_points, self%is_uneven, lines)
+      call add_quality(all_points, lines)
     end associate
     call add_motions(self%tables(self%place('sweep')), lines)
   end subroutine add_report
@@ -358,9 +356,8 @@ contains
   end subroutine add_motions
 
   !> Adds lines on the accuracy of the points and on those that failed.
-  pure subroutine add_quality(all_points, is_uneven, lines)
+  pure subroutine add_quality(all_points, lines)
     type(table_t), intent(in) :: all_points      ! sweep_summary
-    logical, intent(in) :: is_uneven             ! true: the faces meet unevenly, as in no other task
     type(lines_t), intent(inout) :: lines
     integer :: status, n, failed
 
@@ -382,9 +379,7 @@ contains
       str(nint(all_points%number('seen_periods')))//' mesh periods')
     n = nint(all_points%number('points_with_contact_loss'))
     if (n == 0) return
-    call lines%put(left('', 19)//str(n)//' with loss of contact, where several motions may exist: direction = ''all'' ')
-    if (is_uneven) call lines%add('shows them')
-    if (.not. is_uneven) call lines%add('and the task attractors show them')
+    call lines%add(left('', 19)//str(n)//' with loss of contact, where several motions may exist: direction = ''all'' shows them')
     if (all_points%position('points_with_two_motions') == 0) return
     n = nint(all_points%number('points_with_two_motions'))
     if (n > 0) call lines%add(left('', 19)//str(n)//' with another motion as the speed falls than as it rises: the '// &
