@@ -23,7 +23,7 @@ module gearsweep_api_help
       'factor K_v, and &deviations pinion_class and gear_class for drawn flank deviations.'), &
     entry_t('helix helical beta', 'Helical gears have &pair helix_angle_deg. The task geometry has their dimensions, contact '// &
       'ratios, span and diameter over balls, face_load the load over their face, sweep '// &
-      'their motion, rating their safety by ISO 6336, life their life; the other tasks are for spur gears.'), &
+      'their motion, rating their safety and life their fatigue by ISO 6336; the other tasks are for spur gears.'), &
     entry_t('scuffing', 'Scuffing is not rated; the task flank has the flash temperature, film thickness and sliding speed '// &
       'that a rating needs.'), &
     entry_t('wear micropitting', 'Wear and micropitting are not computed; the task flank has pressure, sliding speed and '// &

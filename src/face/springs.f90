@@ -72,7 +72,7 @@ contains
 
   contains
 
-    !> Curve through values at all places, in parts between which pairs change.
+    !> Curve through the values at all places, with a break wherever the number of pairs changes.
     pure type(piecewise_t) function over_path(values, is_positive) result(curve)
       real(dp), intent(in) :: values(:)
       logical, intent(in) :: is_positive         ! nowhere below 0
@@ -93,7 +93,7 @@ contains
       end do
     end function over_path
 
-    !> Adds spring m of the pair to a curve, which begins with spring m - 1. The `level` is that past E.
+    !> Adds spring m of the pair to a curve, in front of spring m - 1. `level` is its value past E.
     pure subroutine place_before(spring, level, curve)
       type(piecewise_t), intent(in) :: spring
       real(dp), intent(in) :: level
@@ -154,9 +154,9 @@ contains
     step = length(:springs_of_pair - 1)
   end subroutine split_load
 
-  !> Fills in the places at which a pair does not carry under any of the loads, by the nearest place at which it does. A pair
-  !> without a line of contact keeps its stiffness of 0; one whose line does not touch keeps the place where its first spring
-  !> touches.
+  !> Copies the springs from the nearest place at which a pair carries to the places at which it carries under none of the loads. A
+  !> pair without a line of contact keeps its stiffness of 0; one whose line does not touch keeps the deflection at which its first
+  !> spring touches.
   pure subroutine fill_gaps(is_known, stiffness, first, step)
     logical, intent(in) :: is_known(:)
     real(dp), intent(inout) :: stiffness(:, :), first(:), step(:, :)

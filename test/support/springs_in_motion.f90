@@ -132,7 +132,7 @@ contains
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration
-    logical, intent(in) :: is_even               ! one damping coefficient, not that of the stiffness of the moment
+    logical, intent(in) :: is_even               ! a constant damping coefficient; false: it follows the stiffness
     real(dp), intent(inout) :: state(2)
     real(dp), intent(out) :: largest(2)
     real(dp) :: rate(2, 4), h, force(size(table%force, 2)), stiffness

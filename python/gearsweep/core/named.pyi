@@ -1993,7 +1993,7 @@ class LifePartsTable(Table):
     engagements: NDArray[float64]
     """how often a tooth carries"""
     root_stress_mpa: NDArray[float64]
-    """MPa: largest tooth root stress, by ISO 6336-3 with the load where it acts"""
+    """MPa: largest tooth root stress by ISO 6336-3, of spur gears with the load where it acts"""
     amplitude_mpa: NDArray[float64]
     """MPa: stress amplitude of the cycle that does most harm"""
     mean_mpa: NDArray[float64]

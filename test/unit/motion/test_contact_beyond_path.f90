@@ -398,7 +398,8 @@ contains
     call check_close(t, 'derivative of a period', worst, 0.0_dp, absolute=1e-5_dp)
   end subroutine derivative_in_batches
 
-  !> Halving the steps twice from two for a radian of the natural motion, errors against a tolerance of 1e-12; mean of the rows.
+  !> Halves the steps twice, from two a radian of the natural motion, and finds by which power of the step the error of the state
+  !> falls, against a solution to a tolerance of 1e-12; mean over the rows.
   subroutine sixth_order(t)
     type(tally_t), intent(inout) :: t
     type(corner_row_t), allocatable :: rows(:)
