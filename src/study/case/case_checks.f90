@@ -30,8 +30,7 @@ contains
         ' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     end do
     if (case%prescribed) call check_prescribed(case, error)
-    if (case%needs_face_load() .or. case%has_uneven_motion() .or. case%is_helical() .and. case%needs(stage%mesh)) &
-      call check_face(case, error)
+    call check_face(case, error)
     if (all(case%fraction <= 0)) call fail(error, code_input, &
       '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &
@@ -58,6 +57,7 @@ contains
     character(*), parameter :: tasks = '&case tasks: the load over the face width needs ', &
                                purpose = ' for the load over the face width'
 
+    if (.not. (case%needs_face_load() .or. case%has_uneven_motion() .or. case%is_helical() .and. case%needs(stage%mesh))) return
     if (case%prescribed) return
     if (case%model /= 'fe') call fail(error, code_input, '&mesh model = '''//case%model//''': must be ''fe'''//purpose)
     if (abs(case%spec(1)%helix_angle) > 30.001_dp*pi/180) call fail(error, code_input, '&pair helix_angle_deg = '// &
