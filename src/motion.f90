@@ -2,11 +2,9 @@
 !>
 !> Other rooms use this module, and none of the room's own modules.
 module gearsweep_motion
-  ! Search for all attracting motions at one speed, from starts spread over the plane of states.
-  use gearsweep_motion_attractor_search, only: attractor_options_t, known_t, search_motions, start_states
   ! All attracting motions of operating points, and the largest of them in a sweep.
-  use gearsweep_motion_attractors, only: all_motions_t, attractor_t, attractors_t, count_motions, find_attractors, largest_motion, &
-    largest_reached
+  use gearsweep_motion_attractors, only: all_motions_t, attractor_options_t, attractor_t, attractors_t, count_motions, &
+    find_attractors, largest_motion, largest_reached, search_motions, start_states
   ! Coefficients of the equation of motion over one mesh period, step by step.
   use gearsweep_motion_coefficients, only: coefficients_t
   ! Method and fineness of the steps of a mesh period.
@@ -22,6 +20,8 @@ module gearsweep_motion
   use gearsweep_motion_gauss, only: batch_size
   ! Design of least noise or load over several numbers of a case at once, and over several loads.
   use gearsweep_motion_joint_optimum, only: design_t, find_joint_optimum, joint_optimum_t, starts_t, sweep_design
+  ! Periodic motions known at one speed.
+  use gearsweep_motion_known_motions, only: known_t
   ! Torque of the mesh on pinion and gear, over the time after which a motion repeats.
   use gearsweep_motion_mesh_torque, only: find_torque, mesh_torque_t
   ! Operating points to a tolerance.

@@ -34,7 +34,7 @@ program dynamics
   use gearsweep_motion_gauss, only: batch_size
   use gearsweep_motion_oscillator, only: oscillator_t
   use gearsweep_motion_sweep, only: contact_full
-  use gearsweep_motion_transient, only: by_marching, by_shooting
+  use gearsweep_motion_steady_motion, only: by_marching, by_shooting
   implicit none
 
   type(problem_t) :: problem

@@ -7,7 +7,7 @@ module bench_cost
   use gearsweep_motion_coefficients, only: coefficients_t, tabulate
   use gearsweep_motion_resolution, only: resolution_t
   use gearsweep_motion_sweep, only: contact_full, each
-  use gearsweep_motion_transient, only: by_marching, by_shooting
+  use gearsweep_motion_steady_motion, only: by_marching, by_shooting
   use gearsweep_motion_steady_motion, only: has_result
   implicit none
   private

@@ -4,12 +4,12 @@ module bench_searches
   use bench_problem, only: problem_t
   use bench_tools, only: check, median, numbers, seconds
   use gearsweep, only: dp, error_t, run_sweep, sweep_options_t, sweep_t
-  use gearsweep_motion_attractor_search, only: attractor_options_t
+  use gearsweep_motion_attractors, only: attractor_options_t
   use gearsweep_motion_attractors, only: attractors_t, find_attractors
   use gearsweep_motion_optimum, only: find_optimum, optimum_t
   use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_motion_sweep, only: contact_full
-  use gearsweep_motion_transient, only: by_marching
+  use gearsweep_motion_steady_motion, only: by_marching
   implicit none
   private
   public :: time_optimum, time_attractors

@@ -9,23 +9,22 @@ module gearsweep_motion_attractors
   use, intrinsic :: iso_c_binding, only: c_ptr
   use gearsweep_base, only: claim_memory, code_memory, dp, error_t, fail, has_memory, leader_traps, release_claim, share_traps, &
     str, team, wants_stop
-  use gearsweep_motion_attractor_search, only: attractor_options_t, known_t, search_motions
-  use gearsweep_motion_resolution, only: scheme_collocation
-  use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, compare, first_level, last_level, levels_t, mark_inexact, need_level, &
     next_level, per_doubling, point_t, resolution_of, search_level
-  use gearsweep_motion_gauss, only: batch_size
+  use gearsweep_motion_known_motions, only: add_known, known_t
   use gearsweep_motion_operating_point, only: solve_point
   use gearsweep_motion_oscillator, only: mesh_period, oscillator_t
-  use gearsweep_motion_period, only: run_batch
-  use gearsweep_motion_period_map, only: set_durations
-  use gearsweep_motion_periodic_orbit, only: distance, shoot, steady_t
-  use gearsweep_motion_search, only: few_starts, start_alike, start_decay
-  use gearsweep_motion_steady_motion, only: has_result, status_ok, status_stopped, status_unresolved
+  use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
+  use gearsweep_motion_periodic_orbit, only: distance, shoot
+  use gearsweep_motion_resolution, only: resolution_t, scheme_collocation
+  use gearsweep_motion_search, only: few_starts, find_first, follow_starts, search_t, start_decay
+  use gearsweep_motion_steady, only: starts_around
+  use gearsweep_motion_steady_motion, only: by_shooting, has_result, status_ok, status_stopped, status_unresolved, &
+    steady_options_t, steady_t
   implicit none
   private
-  public :: attractor_t, attractors_t, find_attractors, largest_motion, all_motions_t, count_motions, largest_reached, &
-            take_largest
+  public :: attractor_options_t, attractor_t, attractors_t, all_motions_t, search_motions, start_states, find_attractors, &
+            largest_motion, count_motions, largest_reached, take_largest
 
   !> Attracting motion.
   type :: attractor_t
@@ -52,10 +51,86 @@ module gearsweep_motion_attractors
     logical :: stopped = .false.                 !< true: the caller stopped the search
   end type all_motions_t
 
+  type :: attractor_options_t
+    type(accuracy_t) :: accuracy
+    integer :: starts = 8                        !< starts along each axis of their grid
+    real(dp) :: span = 4                         !< half the width of the grid, in static deflections
+    integer :: most_cycles = 0                   !< largest number of mesh periods for a start; 0: `by_damping`
+    integer :: most_periods = 8                  !< largest period of the motions sought, in mesh periods
+    integer :: threads = 0                       !< 0: all threads of the machine
+  end type attractor_options_t
+
+  !> Tolerance of the dynamic factor of the motions that starts lead to.
+  real(dp), parameter :: search_tolerance = 1e-7_dp
+
   !> Speeds in memory at a time.
   integer, parameter :: portion = 256
 
 contains
+
+  !> Finds the periodic motions that starts lead to, in the order found, and the motion that each start leads to.
+  pure subroutine search_motions(osc, duration, options, known, to, status)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< duration of the mesh period, s
+    type(attractor_options_t), intent(in) :: options
+    type(known_t), allocatable, intent(out) :: known(:)  !< including those that repel
+    integer, allocatable, intent(out) :: to(:)   !< index of the motion; 0: none; (start)
+    integer, intent(out) :: status               !< ok; unresolved: too many steps; stopped
+    ! Step angle of the natural motion (rad); its errors are about 1e-7.
+    real(dp), parameter :: angle = 0.4_dp
+    integer, parameter :: fewest_steps = 16, most_steps = 2**16
+    type(period_map_t) :: map
+    type(search_t) :: search
+    type(steady_options_t) :: limits
+    real(dp) :: steps
+
+    allocate (known(0))
+    allocate (to(options%starts**2), source=0)
+    status = status_unresolved
+    steps = max(osc%natural_frequency, osc%highest_frequency*max(0.5_dp, osc%damping_ratio))*duration/angle
+    if (steps > most_steps) return
+    call discretise(osc, resolution_t(max(steps, real(fewest_steps, dp))), map)
+    if (map%table%steps == 0) return
+    call set_durations(map, [duration])
+    limits = steady_options_t(by_shooting, search_tolerance, options%most_cycles, options%most_periods, &
+                              options%accuracy%steady%stop)
+    if (limits%most_cycles == 0) limits%most_cycles = by_damping(osc, duration)
+    call find_first(map, limits, search)
+    call follow_starts(map, limits, start_states(osc, duration, options), .false., search)
+    status = merge(status_stopped, status_ok, search%stopped)
+    call move_alloc(search%known, known)
+    to = search%ends%motion
+  end subroutine search_motions
+
+  !> Mesh periods in which the natural motion decays to exp(-5) of its amplitude, at least 2000 and at most 100 000.
+  pure integer function by_damping(osc, duration)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< duration of the mesh period, s
+    real(dp), parameter :: decays = 5, fewest = 2000, most = 1e5_dp
+
+    by_damping = ceiling(max(fewest, decays/max(decays/most, osc%damping_ratio*osc%natural_frequency*duration)))
+  end function by_damping
+
+  !> States from which motions start (m), the middles of the cells of a grid: displacements about the mean deflection, and
+  !> velocities at which the natural motion has the same amplitudes. (2, start), the displacement varies fastest.
+  pure function start_states(osc, duration, options) result(start)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< duration of the mesh period, s
+    type(attractor_options_t), intent(in) :: options
+    real(dp), allocatable :: start(:, :)
+    real(dp) :: offset(options%starts)
+    integer :: i, j
+
+    associate (n => options%starts)
+      offset = [(options%span*osc%static_deflection*((2*i - 1)/real(n, dp) - 1), i=1, n)]
+      allocate (start(2, n**2))
+      do j = 1, n
+        do i = 1, n
+          start(:, (j - 1)*n + i) = [osc%mean_deflection + offset(i), osc%natural_frequency*duration*offset(j)]
+        end do
+      end do
+    end associate
+  end function start_states
 
   !> Finds all attracting motions at many speeds.
   subroutine find_attractors(osc, rpm, options, found)
@@ -313,130 +388,66 @@ contains
     if (any(counts)) largest = maxval(found%motion%point%dynamic_factor, mask=counts)
   end function largest_reached
 
-  !> Replaces the motion at each solved speed by the one of largest dynamic factor, and counts the motions found. Where the
-  !> natural motion decays between the breaks of the stiffness there is only one.
+  !> Replaces the motion at each solved speed by the one of largest dynamic factor that a few starts lead to, and counts the
+  !> motions found. Where the natural motion decays between the breaks of the stiffness there is only one.
   subroutine take_largest(osc, rpm, options, levels, points)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, ascending, 1/min
+    real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels      !< levels of this oscillator
     type(point_t), intent(inout) :: points(:)    !< in: found by themselves; out: the largest; (speed)
-    integer, allocatable :: here(:), level(:)
-    integer :: first, i, last
+    integer :: i
 
-    points%motions = merge(1, 0, has_result(points%steady%status))
-    here = pack([(i, i=1, size(rpm))], points%motions > 0 .and. points%resolution%graded_for == 0)
-    if (.not. osc%damping_ratio > 0 .or. size(here) == 0) return
-    level = [(search_level(osc, mesh_period(osc%mesh%teeth(1), rpm(here(i))), options), i=1, size(here))]
-    first = 1
-    do while (first <= size(here))
+    do i = 1, size(points)
+      points(i)%motions = merge(1, 0, has_result(points(i)%steady%status))
+      if (points(i)%motions == 0 .or. points(i)%resolution%graded_for > 0 .or. .not. osc%damping_ratio > 0) cycle
+      call take_largest_at(osc, mesh_period(osc%mesh%teeth(1), rpm(i)), options, levels, points(i))
       if (levels%lacks .or. wants_stop(options%steady%stop)) return
-      last = first
-      do while (last < min(size(here), first + batch_size - 1))
-        if (level(last + 1) /= level(first)) exit
-        last = last + 1
-      end do
-      call compare_ends(osc, rpm(here(first:last)), level(first), options, levels, points, here(first:last))
-      first = last + 1
     end do
   end subroutine take_largest
 
-  !> Accuracy options that stop early from a start that leads to no motion.
-  pure type(accuracy_t) function in_brief(options)
-    type(accuracy_t), intent(in) :: options
-
-    in_brief = options
-    in_brief%steady%most_cycles = min(options%steady%most_cycles, 20)
-  end function in_brief
-
-  !> Searches the motions of a few speeds on one refinement level.
-  subroutine compare_ends(osc, rpm, level, options, levels, points, at)
+  subroutine take_largest_at(osc, duration, options, levels, point)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm(:)
-    integer, intent(in) :: level
+    real(dp), intent(in) :: duration
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels
-    type(point_t), intent(inout) :: points(:)
-    integer, intent(in) :: at(:)                 ! indices of the points
-    type(point_t) :: new
-    real(dp) :: duration(size(rpm)), end(2, size(rpm), size(few_starts, 2)), known(2, size(few_starts, 2) + 1)
-    logical :: bounded(size(rpm), size(few_starts, 2))
-    integer :: i, n, s
+    type(point_t), intent(inout) :: point
+    integer, parameter :: settling = 20          ! periods of the map, beside those of the decay
+    real(dp), parameter :: most_decays = 1000
+    type(steady_options_t) :: limits
+    type(accuracy_t) :: brief
+    type(search_t) :: search
+    type(steady_t) :: own
+    type(attractor_t) :: motion
+    integer :: level, which, k
 
-    duration = mesh_period(osc%mesh%teeth(1), rpm)
+    level = search_level(osc, duration, options)
     call need_level(osc, level, levels)
     if (levels%lacks) return
-    call follow_starts(osc, duration, level - per_doubling, levels, end, bounded)
-    do i = 1, size(rpm)
-      n = 1
-      known(:, 1) = points(at(i))%steady%state
-      do s = 1, size(few_starts, 2)
-        if (.not. bounded(i, s)) cycle
-        if (is_known(end(:, i, s))) cycle
-        call solve_point(osc, duration(i), in_brief(options), levels, new, end(:, i, s))
-        if (levels%lacks) return
-        if (.not. has_result(new%steady%status)) cycle
-        if (is_known(new%steady%state)) cycle
-        n = n + 1
-        known(:, n) = new%steady%state
-        associate (point => points(at(i)))
-          ! Only the first state of a motion that repeats after several periods is known.
-          if (new%steady%periods == point%steady%periods .and. new%steady%periods > 1 .and. &
-              abs(new%dynamic_factor - point%dynamic_factor) <= new%estimate + point%estimate) cycle
-          new%motions = point%motions + 1
-          point%motions = new%motions
-          if (new%dynamic_factor > point%dynamic_factor) point = new
-        end associate
-      end do
-    end do
-
-  contains
-
-    pure logical function is_known(state)
-      real(dp), intent(in) :: state(2)
-      integer :: k
-
-      is_known = any([(distance(osc, duration(i), state - known(:, k)) < start_alike, k=1, n)])
-    end function is_known
-  end subroutine compare_ends
-
-  !> Integrates each start over the number of turns in which the natural motion decays to a small part.
-  subroutine follow_starts(osc, duration, level, levels, end, bounded)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: duration(:)          ! duration of the mesh period, s; (speed)
-    integer, intent(in) :: level
-    type(levels_t), intent(inout) :: levels
-    real(dp), intent(out) :: end(:, :, :)        ! m; (2, speed, start)
-    logical, intent(out) :: bounded(:, :)
-    real(dp), parameter :: most_periods = 1000
-    type(period_t) :: run(batch_size)
-    real(dp) :: state(2, batch_size), periods
-    integer :: i, k, l, n, s, turn, turns
-
-    n = size(duration)
-    periods = start_decay/(osc%damping_ratio*osc%natural_frequency*minval(duration))
-    turns = ceiling(min(periods, most_periods)/osc%mesh%deviations%periods)
-    associate (map => levels%level(level)%map)
-      do k = 0, size(bounded) - 1, batch_size
-        call set_durations(map, [(duration(1 + modulo(min(k + l, size(bounded) - 1), n)), l=0, batch_size - 1)])
-        do l = 1, batch_size
-          s = 1 + min(k + l - 1, size(bounded) - 1)/n
-          state(:, l) = [osc%mean_deflection + osc%static_deflection*few_starts(1, s), &
-                         osc%static_deflection*osc%natural_frequency*map%duration(l)*few_starts(2, s)]
-        end do
-        do turn = 1, turns
-          call run_batch(map, state, [(.true., l=1, batch_size)], .false., run)
-          do l = 1, batch_size
-            state(:, l) = run(l)%state
-          end do
-        end do
-        do l = 1, min(batch_size, size(bounded) - k)
-          i = 1 + modulo(k + l - 1, n)
-          s = 1 + (k + l - 1)/n
-          end(:, i, s) = state(:, l)
-          bounded(i, s) = .not. run(l)%failed .and. distance(osc, duration(i), state(:, l)) < 1e4_dp
-        end do
-      end do
+    limits = options%steady
+    limits%tolerance = search_tolerance
+    limits%most_cycles = settling + ceiling(2*min(start_decay/(osc%damping_ratio*osc%natural_frequency*duration), most_decays) &
+                                     /osc%mesh%deviations%periods)
+    allocate (search%known(0))
+    associate (map => levels%level(level - per_doubling)%map)
+      call set_durations(map, [duration], options%steady%stop)
+      call shoot(map, limits%tolerance, point%steady%periods, point%steady%state, own)
+      call add_known(map, own, search%known, which)
+      call follow_starts(map, limits, starts_around(map, few_starts), .false., search)
     end associate
-  end subroutine follow_starts
+    ! A start that leads to no motion is soon given up.
+    brief = options
+    brief%steady%most_cycles = min(options%steady%most_cycles, 20)
+    do k = 1, size(search%known)
+      if (k == which .or. .not. any(search%ends%motion == k)) cycle
+      motion%known = search%known(k)
+      call solve_known(osc, duration, brief, levels, motion)
+      if (levels%lacks) return
+      if (.not. has_result(motion%point%steady%status)) cycle
+      if (is_of(osc, duration, point, search%known(k))) cycle
+      motion%point%motions = point%motions + 1
+      point%motions = motion%point%motions
+      if (is_larger(motion%point, point)) point = motion%point
+    end do
+  end subroutine take_largest_at
 end module gearsweep_motion_attractors

@@ -323,7 +323,7 @@ contains
       motions%events(l) = motions%events(l) + 1
       motions%from(l) = arc%to(l)
       period(l)%events = period(l)%events + 1
-      period(l)%work = period(l)%work + cost
+      map%work = map%work + cost
       period(l)%failed = period(l)%failed .or. chatters(map, l, motions, period(l)) .or. &
                          excites(map, arc%step, l, abs(approach(l)), arc%to(l))
       motions%active(l) = .not. period(l)%failed

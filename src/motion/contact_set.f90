@@ -40,7 +40,6 @@ module gearsweep_motion_contact_set
     real(dp) :: checksum = 0
     type(dte_t) :: dte                 !< with largest loads only; from the mean static deflection
     integer :: events = 0              !< number of changes of contact
-    real(dp) :: work = 0               !< computing time, in steps
     logical :: departs = .false.       !< contact was not always full, as linear motion needs
     logical :: partial = .false.       !< a pair between A and E was apart for a while
     logical :: lost = .false.          !< all flanks were apart for a while

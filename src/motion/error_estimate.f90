@@ -12,9 +12,9 @@ module gearsweep_motion_error_estimate
   use gearsweep_motion_steady_motion, only: accuracy_t, has_result, point_t, status_inexact, status_marginal, steady_t
   implicit none
   private
-  public :: accuracy_t, point_t, compare, is_estimated, leave_unknown, mark_inexact, levels_t, forget_levels, resolution_of, &
-            level_steps, first_level, last_level, search_level, need_level, need_batch_level, next_level, first_guess, root, &
-            need_given, given_resolution, given_steps
+  public :: accuracy_t, point_t, compare, is_estimated, leave_unknown, mark_inexact, levels_t, work_of, forget_levels, &
+            resolution_of, level_steps, first_level, last_level, search_level, need_level, need_batch_level, next_level, &
+            first_guess, root, need_given, given_resolution, given_steps
 
   real(dp), parameter :: root = 1.0_dp/order
 
@@ -31,6 +31,7 @@ module gearsweep_motion_error_estimate
     type(level_t) :: level(0:most_levels)
     logical :: made(0:most_levels) = .false.
     type(level_t) :: given(2)                    !< levels of a specified number of steps, and of half of it
+    type(level_t) :: graded(2)                   !< levels of graded steps, and of half of them
     logical :: given_made = .false.
     logical :: lacks = .false.                   !< memory was too small for one: points have no result
     real(dp) :: steps_per_second = 0             !< steps per second that the last point needed, over its period
@@ -139,6 +140,21 @@ contains
     if (.not. has_result(point%steady%status) .or. ieee_is_nan(point%estimate)) return
     if (.not. point%estimate <= options%steady%tolerance) point%steady%status = status_inexact
   end subroutine mark_inexact
+
+  !> Steps computed so far, of all motions.
+  pure real(dp) function work_of(levels)
+    type(levels_t), intent(in) :: levels
+    integer :: i
+
+    work_of = 0
+    do i = 0, most_levels
+      if (allocated(levels%level(i)%map)) work_of = work_of + levels%level(i)%map%work
+    end do
+    do i = 1, 2
+      if (allocated(levels%given(i)%map)) work_of = work_of + levels%given(i)%map%work
+      if (allocated(levels%graded(i)%map)) work_of = work_of + levels%graded(i)%map%work
+    end do
+  end function work_of
 
   !> Marks all levels as invalid for a new oscillator, but keeps their memory.
   pure subroutine forget_levels(levels)

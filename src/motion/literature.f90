@@ -240,7 +240,6 @@ contains
     end do
     period%state = state
     period%monodromy = columns
-    period%work = table%steps
   end subroutine run_literature_period
 
   !> Finds the contact set at a place of a step and its law; where it is held, that of all pairs between A and E.

@@ -15,8 +15,8 @@ module gearsweep_motion_operating_point
   use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_motion_periodic_orbit, only: distance, has_converged, near, shoot, solve_full_contact, steady_t
   use gearsweep_motion_steady, only: find_batch, find_beside, find_converged, find_steady, is_one_branch
-  use gearsweep_motion_steady_motion, only: has_result, status_stopped, status_transient, status_unresolved
-  use gearsweep_motion_transient, only: by_shooting, steady_options_t
+  use gearsweep_motion_steady_motion, only: by_shooting, has_result, status_stopped, status_transient, status_unresolved, &
+    steady_options_t
   implicit none
   private
   public :: solve_point, solve_batch
@@ -63,7 +63,6 @@ contains
     type(point_t), intent(inout) :: points(:)    !< (speed)
     logical, intent(out) :: solved(:)            !< (speed)
     type(steady_t) :: half(size(duration)), full(size(duration))
-    type(period_map_t) :: fine, coarse
     type(oscillator_t) :: split
     type(resolution_t) :: resolution
     real(dp) :: excess
@@ -71,6 +70,10 @@ contains
 
     split = osc
     call split_by_load(split)
+    do trial = 1, 2
+      if (.not. allocated(levels%graded(trial)%map)) allocate (levels%graded(trial)%map)
+    end do
+    associate (fine => levels%graded(1)%map, coarse => levels%graded(2)%map)
     resolution = first
     do trial = 1, most_trials
       solved = .false.
@@ -88,7 +91,6 @@ contains
       call find_motions(coarse, duration, options, half)
       solved = solved .and. has_converged(half)
       points%steps = fine%steps
-      points%work = points%work + 2*(fine%steps + coarse%steps)
       points%resolution = resolution
       call compare(osc, duration, half, points)
       ! A pair may seem to part in coarse steps: finer ones follow, as for ten times the allowed error.
@@ -98,6 +100,7 @@ contains
       resolution%base = resolution%base*min(1.2_dp*excess**0.2_dp, 4.0_dp)
       if (graded_steps(split, resolution) > options%most_steps) exit
     end do
+    end associate
     call mark_inexact(options, points)
   end subroutine solve_graded
 
@@ -205,14 +208,12 @@ contains
       if (.not. found) call look_for(osc, duration, options, levels, search, start)
       if (.not. (found .or. levels%lacks)) call need_level(osc, level, levels)
       if (levels%lacks) return
-      point%work = point%work + search%motion%work
     end if
     associate (fine => levels%level(level)%map)
       if (.not. found .and. search%done) call go_on(fine, duration, options, search%motion, point, found)
       if (.not. found) then
         call set_durations(fine, [duration], options%steady%stop)
         call find_steady(fine, options%steady, point%steady, start)
-        point%work = point%work + point%steady%work
       end if
       point%steps = fine%steps
     end associate
@@ -235,7 +236,6 @@ contains
       call find_converged(map, options%steady%tolerance, point%steady)
       found = has_converged(point%steady) .and. (.not. point%steady%departs .or. is_one_branch(map%osc, point%steady%partial))
     end if
-    point%work = point%work + point%steady%work
   end subroutine try_at_once
 
   pure subroutine look_for(osc, duration, options, levels, search, start)
@@ -272,7 +272,6 @@ contains
     if (found) return
     call set_durations(map, [duration], options%steady%stop)
     call shoot(map, options%steady%tolerance, motion%periods, motion%state, point%steady)
-    point%work = point%work + point%steady%work
     found = has_result(point%steady%status) .and. distance(map%osc, duration, point%steady%state - motion%state) < near
   end subroutine go_on
 
@@ -354,7 +353,6 @@ contains
       call set_durations(fine, [duration], options%steady%stop)
       call find_steady(fine, options%steady, point%steady, start)
       point%steps = fine%steps
-      point%work = point%work + point%steady%work
     end associate
     if (.not. has_result(point%steady%status)) return
     if (is_estimated(options%scheme)) then
@@ -373,23 +371,19 @@ contains
     type(point_t), intent(inout) :: point        !< with a result
     type(steady_options_t) :: alike
     type(steady_t) :: half
-    real(dp) :: linear(2), work
+    real(dp) :: linear(2)
 
     call set_durations(coarse, [duration], options%steady%stop)
     if (.not. point%steady%departs) call solve_full_contact(coarse, linear, half)
-    work = half%work
     if (.not. has_converged(half)) then
       call shoot(coarse, options%steady%tolerance, point%steady%periods, point%steady%state, half)
-      work = work + half%work
       ! Where changes of contact are not located the map has jumps, so that Newton's method may not converge.
       if (options%scheme /= scheme_collocation .and. .not. has_result(half%status)) then
         alike = options%steady
         alike%method = by_shooting
         call find_steady(coarse, alike, half, point%steady%state)
-        work = work + half%work
       end if
     end if
-    point%work = point%work + work
     call compare(coarse%osc, duration, half, point)
   end subroutine compare_with_half
 end module gearsweep_motion_operating_point

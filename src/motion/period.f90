@@ -39,6 +39,7 @@ contains
     integer :: contact_set(batch_size), place, from, to, i, k, l
 
     if (allocated(map%literature)) then
+      map%work = map%work + map%steps
       call run_literature_period(map%osc, map%literature, map%duration(1), start(:, 1), .true., period(1))
       return
     end if
@@ -68,6 +69,7 @@ contains
       call flush_to_zero(map%monodromy, map%shrunk)
     end do
     map%all_full = map%cached
+    map%work = map%work + map%steps*map%speeds
     do l = 1, map%speeds
       call keep_derivative(map%monodromy(l, :), map%shrunk(l), period(l))
       period(l)%state = [x(l, from), y(l, from)]
@@ -93,6 +95,7 @@ contains
     type(period_t) :: periods(batch_size)
 
     if (allocated(map%literature)) then
+      map%work = map%work + map%steps
       call run_literature_period(map%osc, map%literature, map%duration(1), start, .false., period, trace)
       return
     end if
@@ -108,6 +111,11 @@ contains
     logical, intent(in) :: peaks                     !< true: compute the largest loads
     type(period_t), intent(out) :: period(batch_size)
 
+    if (allocated(map%literature)) then
+      map%work = map%work + map%steps
+      call run_literature_period(map%osc, map%literature, map%duration(1), start(:, 1), .false., period(1))
+      return
+    end if
     call follow(map, start, active, peaks, period)
   end subroutine run_batch
 
@@ -128,6 +136,7 @@ contains
         if (map%table%kind(i)%begins) call enter_interval(map, i, state, period)
         if (peaks .and. map%table%kind(i)%widens) call begin_loads(map, i, state)
         call advance(map, i, state, period, trace)
+        map%work = map%work + map%speeds
         if (is_cut(map, i)) period%failed = .true.
         if (all(period(:map%speeds)%failed)) return
         if (peaks) then
@@ -153,7 +162,6 @@ contains
       if (map%speeds == 1) period(l)%dte = state%single_dte
       period(l)%state = [state%x(l, state%from), state%y(l, state%from)]
       call keep_derivative(state%monodromy(l, :), state%shrunk(l), period(l))
-      period(l)%work = period(l)%work + map%steps
     end do
   end subroutine follow
 

@@ -47,6 +47,7 @@ module gearsweep_motion_period_map
     real(dp) :: mesh_monodromy(batch_size, 4) = 0, mesh_shrunk(batch_size) = 0   !< the same of one mesh period
     type(dense_step_t) :: dense(8)               !< most recent ones
     integer :: denses = 0                        !< number computed so far
+    real(dp) :: work = 0                         !< steps computed so far, of all motions
     type(c_ptr) :: stop = c_null_ptr             !< stop flag of gearsweep_base_memory
   end type period_map_t
   integer, parameter :: most_cached = 2048, not_made = -1

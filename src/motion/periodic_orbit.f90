@@ -10,7 +10,7 @@ module gearsweep_motion_periodic_orbit
     steady_t
   implicit none
   private
-  public :: steady_t, has_converged, adopt, solve_full_contact
+  public :: steady_t, has_converged, solve_full_contact
   public :: shoot, is_closed, closure_of, newton_step, run_periods, judge, distance, is_bounded, largest_multiplier
   public :: most_negative_direction
 
@@ -34,17 +34,6 @@ contains
 
     has_converged = steady%status == status_ok .or. steady%status == status_marginal
   end function has_converged
-
-  !> Replaces a result; the computing times add up.
-  pure subroutine adopt(found, steady)
-    type(steady_t), intent(in) :: found
-    type(steady_t), intent(inout) :: steady
-    real(dp) :: work
-
-    work = steady%work
-    steady = found
-    steady%work = work + found%work
-  end subroutine adopt
 
   !> Solves (I - monodromy) step = defect, unless rounding decides the result: the monodromy matrix is near 1 far above resonance,
   !> so that the test compares products, not elements.
@@ -94,7 +83,6 @@ contains
       call run_period(map, run%state, next)
       run%state = next%state
       run%monodromy = matmul(next%monodromy, run%monodromy)
-      run%work = run%work + next%work
       run%peak = max(run%peak, next%peak)
       run%coast_peak = max(run%coast_peak, next%coast_peak)
       run%checksum = run%checksum + next%checksum
@@ -118,24 +106,23 @@ contains
     integer, parameter :: most_iterations = 20, most_halvings = 4
     real(dp), parameter :: acceptable = 1e-9_dp
     type(period_t) :: run, trial_run
-    real(dp) :: state(2), trial(2), step(2), closure, residual, trial_residual, work
+    real(dp) :: state(2), trial(2), step(2), closure, residual, trial_residual, before
     integer :: iteration, halving
     logical :: solved
 
     associate (osc => map%osc, duration => map%duration(1))
       state = start
+      before = map%work
       call run_periods(map, state, periods, run)
-      work = run%work
       residual = distance(osc, duration, run%state - state)
       do iteration = 1, most_iterations
         closure = closure_of(osc, duration, state, run)
-        if (run%failed .or. work > most_work .or. is_closed(closure, tolerance)) exit
+        if (run%failed .or. map%work - before > most_work .or. is_closed(closure, tolerance)) exit
         call newton_step(run%monodromy, run%state - state, step, solved)
         if (.not. solved) exit
         do halving = 0, most_halvings
           trial = state + step/2**halving
           call run_periods(map, trial, periods, trial_run)
-          work = work + trial_run%work
           trial_residual = distance(osc, duration, trial_run%state - trial)
           if (trial_residual < residual .and. .not. trial_run%failed) exit
         end do
@@ -151,7 +138,6 @@ contains
         if (closure < acceptable .or. is_closed(closure, tolerance) .or. (.not. solved .and. residual < acceptable)) &
           call judge(osc, duration, state, run, closure, periods, steady)
       end if
-      steady%work = work
     end associate
   end subroutine shoot
 
@@ -168,14 +154,12 @@ contains
     call run_full_contact(map, reshape([0.0_dp, 0.0_dp], [2, 1]), run)
     call newton_step(run(1)%monodromy, run(1)%state, step, solved)
     state = merge(step, [map%osc%mean_deflection, 0.0_dp], solved)
-    steady%work = map%steps
     if (.not. solved) return
     call run_period(map, state, run(1))
     associate (osc => map%osc, duration => map%duration(1))
       if (.not. (run(1)%departs .or. run(1)%failed)) &
         call judge(osc, duration, state, run(1), closure_of(osc, duration, state, run(1)), 1, steady)
     end associate
-    steady%work = 2*map%steps
   end subroutine solve_full_contact
 
   !> True if the remaining error is far below the tolerance, or rounding. A small residual alone proves little: far above

@@ -14,7 +14,7 @@ module gearsweep_motion_poincare
   use gearsweep_motion_periodic_orbit, only: is_bounded
   use gearsweep_motion_steady_motion, only: status_aperiodic, status_chaotic, status_chatter, status_ok, status_stopped, &
     status_subharmonic, status_transient, status_unbounded, status_unresolved
-  use gearsweep_motion_transient, only: sure_growth
+  use gearsweep_motion_search, only: sure_growth
   implicit none
   private
   public :: section_points_t, sample_section

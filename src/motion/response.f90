@@ -18,9 +18,8 @@ module gearsweep_motion_response
   use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_motion_periodic_orbit, only: distance, near, shoot, solve_full_contact, steady_t
   use gearsweep_motion_spectrum, only: find_spectrum, spectrum_t
-  use gearsweep_motion_steady_motion, only: has_result
+  use gearsweep_motion_steady_motion, only: by_marching, has_result
   use gearsweep_motion_trace, only: pair_paths, trace_t
-  use gearsweep_motion_transient, only: by_marching
   implicit none
   private
   public :: motion_summary_t, summarise, response_t, find_response, trace_motion, turn_t, find_turn, length_of, &

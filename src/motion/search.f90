@@ -1,254 +1,393 @@
-!> Search for a steady motion at a speed at which pairs separate: from the most likely strategy to the longest.
+!> Search for the periodic motions that starts lead to.
 !>
-!> Each strategy is tried where those before it failed. Where several motions attract, this order alone decides the result.
+!> The motions from the starts are followed in parallel lanes, each until a known motion has captured it or until it is chaotic.
+!> Where the linear maps of its last mesh periods predict a periodic motion, Newton's method finds that motion, which is known
+!> from then on. By marching, a motion must repeat by itself.
 !>
-!> 1. Newton's method from the motion that full contact would have.
-!> 2. Where it ends on a motion that repels through a multiplier below -1: the motion of twice as many periods near it, and so on
-!> up to the longest period sought.
-!> 3. A short transient from rest.
-!> 4. The motion under strong damping, which is then lowered step by step.
-!> 5. Newton's method from eight starts spread over the plane of states, on the maps of one and several mesh periods. Most runs
-!> end on motions that repel, or on none; the first that attracts is used.
-!> 6. The full transient from rest.
+!> Before that, Newton's method is tried from the motion that full contact would have and, where it ends on a motion that repels
+!> through a multiplier below -1, near that for the motion of twice as many periods.
 module gearsweep_motion_search
-  use gearsweep_base, only: dp, pi, wants_stop
+  use gearsweep_base, only: dp, wants_stop
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_gauss, only: batch_size
+  use gearsweep_motion_known_motions, only: add_known, approach_t, find_nearest, known_t, scale_of, watch_approach
   use gearsweep_motion_period, only: run_batch
   use gearsweep_motion_period_map, only: period_map_t, set_durations
-  use gearsweep_motion_periodic_orbit, only: adopt, closure_of, distance, has_converged, is_closed, largest_multiplier, &
-    most_negative_direction, most_work, newton_step, run_periods, shoot, solve_full_contact, steady_t
-  use gearsweep_motion_steady_motion, only: has_result, status_chatter, status_unstable
-  use gearsweep_motion_transient, only: march, shorten, steady_options_t
+  use gearsweep_motion_periodic_orbit, only: closure_of, distance, is_bounded, judge, largest_multiplier, most_negative_direction, &
+    most_work, near, newton_step, run_periods, shoot, solve_full_contact
+  use gearsweep_motion_steady_motion, only: by_marching, has_result, status_chaotic, status_chatter, status_transient, &
+    status_unbounded, status_unstable, steady_options_t, steady_t
   implicit none
   private
-  public :: try_in_turn, double
+  public :: growth_t, search_t, find_first, find_from, follow_starts, double, few_starts, start_alike, start_decay, sure_growth
 
-  !> Few starts for motions of gears as built: displacement from the mean deflection and velocity over the natural frequency, in
-  !> static deflections: rest, and around it. Two whose ends are nearer than `start_alike` are on one motion, once the natural
-  !> motion has decayed by exp(-start_decay).
-  real(dp), parameter, public :: few_starts(2, 6) = reshape( &
+  !> Starts around rest: displacement from the mean deflection, and velocity over the natural frequency, in static deflections. Two
+  !> whose ends are nearer than `start_alike` are on one motion, once the natural motion has decayed by exp(-start_decay).
+  real(dp), parameter :: few_starts(2, 6) = reshape( &
     [0.0_dp, 0.0_dp, 3.5_dp, -3.5_dp, 3.5_dp, 3.5_dp, 3.0_dp, 0.0_dp, -2.0_dp, 2.0_dp, -2.0_dp, -2.0_dp], [2, 6])
-  real(dp), parameter, public :: start_alike = 0.05_dp, start_decay = 5.3_dp
+  real(dp), parameter :: start_alike = 0.05_dp, start_decay = 5.3_dp
 
+  !> Growth of a disturbance of a motion, by the monodromy matrices of its mesh periods.
+  type :: growth_t
+    real(dp) :: disturbance(2) = 1               !< x, and y over its unit; of length 1
+    real(dp) :: logarithm = 0                    !< logarithm of its growth since the period `first_counted`
+    integer :: periods = 0                       !< mesh periods
+  contains
+    procedure :: add
+    procedure :: is_sure
+    procedure :: per_period
+  end type growth_t
 
-  !> Mesh periods of the motions sought, and number of batches of starts for each.
-  integer, parameter :: periods(*) = [1, 2, 1, 2, 3, 4, 1], batches(*) = [2, 2, 2, 2, 2, 2, 8]
+  !> Motion from a start, in a lane of the batch.
+  type :: trajectory_t
+    integer :: start = 0                         !< index of its start; 0: none
+    integer :: next_try = 1                      !< periods at the next try of Newton's method from any state
+    integer :: next_shot = 1                     !< periods at the next try where the motion nearly repeats
+    integer :: in_full_contact = 0               !< periods in a row
+    type(growth_t) :: growth
+    type(approach_t) :: approach
+    real(dp), allocatable :: state(:, :)         !< last states, the newest first, m; (2, 0:periods)
+    real(dp), allocatable :: monodromy(:, :, :)  !< monodromy matrices of the last 1, 2, ... periods; (2, 2, periods)
+  end type trajectory_t
 
-  !> Mesh periods of a short transient: from rest, and after a motion ends under lowered damping.
-  integer, parameter :: from_rest = 100, beyond_end = 40
+  !> Where the motion from a start ends.
+  type :: end_t
+    integer :: motion = 0                        !< index of the known motion that captured it; 0: none
+    integer :: status = status_transient         !< without such a motion: chatter, unbounded, chaotic or transient
+    real(dp) :: growth = 0                       !< logarithmic growth of a disturbance over a mesh period
+    real(dp) :: state(2) = 0                     !< last state, m
+  end type end_t
+
+  !> Result of the search at one speed.
+  type :: search_t
+    type(known_t), allocatable :: known(:)       !< periodic motions found, attracting or not
+    integer :: in_full_contact = 0               !< index of the one in full contact; 0: none attracts
+    type(end_t), allocatable :: ends(:)          !< (start)
+    logical :: stopped = .false.                 !< the caller ended the search
+  end type search_t
+
+  !> Logarithmic growth above which a bounded motion cannot be periodic: its disturbances have grown by more than exp(40) over its
+  !> periods, of which there must be at least `enough`.
+  real(dp), parameter :: sure_growth = 40
+  integer, parameter :: first_counted = 50, enough = 500
 
 contains
 
-  !> Finds the first attracting motion from the starts.
-  pure subroutine try_starts(map, options, steady)
-    type(period_map_t), intent(inout) :: map         !< map with the duration of one speed
+  !> Finds the motion in full contact or, by Newton's method from there, another one and those of twice as many periods.
+  pure subroutine find_first(map, options, search)
+    type(period_map_t), intent(inout) :: map     !< map with the duration of one speed
     type(steady_options_t), intent(in) :: options
-    type(steady_t), intent(out) :: steady            !< motion; without a result if none was found
-    real(dp) :: duration, state(2, batch_size), work
-    logical :: attracts(batch_size)
-    integer :: i, k, next
+    type(search_t), intent(out) :: search
+    type(steady_t) :: steady, doubled
+    real(dp) :: linear(2)
+    integer :: which
 
-    duration = map%duration(1)
-    next = 0
-    do i = 1, size(periods)
-      if (periods(i) > options%most_periods) cycle
-      do k = 1, batches(i)
-        if (wants_stop(options%stop) .or. steady%work > most_work) exit
-        call set_durations(map, spread(duration, 1, batch_size))
-        call spread_starts(map, next, state)
-        next = next + batch_size
-        call close_motions(map, options%tolerance, periods(i), state, attracts, work)
-        steady%work = steady%work + work
-        if (.not. any(attracts)) cycle
-        call set_durations(map, [duration])
-        call take_first(map, options, periods(i), state, attracts, steady)
-        if (has_result(steady%status)) return
-      end do
-    end do
-    call set_durations(map, [duration])
-  end subroutine try_starts
+    allocate (search%known(0))
+    if (options%method == by_marching) return
+    call solve_full_contact(map, linear, steady)
+    if (.not. has_result(steady%status)) call shoot(map, options%tolerance, 1, linear, steady)
+    call add_known(map, steady, search%known, which)
+    if (has_result(steady%status) .and. .not. steady%departs) search%in_full_contact = which
+    if (steady%status /= status_unstable .or. allocated(map%literature)) return
+    call double(map, options, steady, doubled)
+    call add_known(map, doubled, search%known, which)
+  end subroutine find_first
 
-  !> Applies Newton's method without halving its steps: where those fail, another start is as good.
-  pure subroutine close_motions(map, tolerance, periods, state, attracts, work)
-    type(period_map_t), intent(inout) :: map
-    real(dp), intent(in) :: tolerance
-    integer, intent(in) :: periods
-    real(dp), intent(inout) :: state(2, batch_size)  !< m; (:, start)
-    logical, intent(out) :: attracts(batch_size)     !< true: converged there, and attracts
-    real(dp), intent(out) :: work
-    integer, parameter :: most_iterations = 12
-    ! Eight motions in parallel lanes take about as long as four.
-    real(dp), parameter :: side_by_side = 0.5_dp
+  !> Finds a motion from some starts within a number of mesh periods: one that a start leads to or, of several starts, one that
+  !> attracts and was found on the way.
+  pure subroutine find_from(map, options, most_cycles, starts, search, motion)
+    type(period_map_t), intent(inout) :: map     !< map with the duration of one speed
+    type(steady_options_t), intent(in) :: options
+    integer, intent(in) :: most_cycles           !< mesh periods, if the options do not allow fewer
+    real(dp), intent(in) :: starts(:, :)         !< states, m; (2, start)
+    type(search_t), intent(inout) :: search      !< in: motions known before
+    integer, intent(out) :: motion               !< index of the known motion; 0: none
+    type(steady_options_t) :: brief
+
+    brief = options
+    brief%most_cycles = min(most_cycles, options%most_cycles)
+    ! Without damping no motion captures another, and those that repeat soon are near the starts.
+    if (.not. map%osc%damping_ratio > 0) brief%most_cycles = min(brief%most_cycles, 2)
+    call follow_starts(map, brief, starts, .true., search)
+    motion = maxval(search%ends%motion)
+    if (motion == 0 .and. size(starts, 2) > 1) motion = findloc(search%known%attracts, .true., 1)
+  end subroutine find_from
+
+  !> Follows the motions from some starts to their ends.
+  pure subroutine follow_starts(map, options, starts, is_one_enough, search)
+    type(period_map_t), intent(inout) :: map     !< map with the duration of one speed
+    type(steady_options_t), intent(in) :: options
+    real(dp), intent(in) :: starts(:, :)         !< states, m; (2, start)
+    logical, intent(in) :: is_one_enough         !< true: ends as soon as one motion is found
+    type(search_t), intent(inout) :: search      !< in: motions known before
+    type(period_map_t), allocatable :: batch
+    type(trajectory_t) :: lane(min(size(starts, 2), batch_size))
     type(period_t) :: run(batch_size)
-    real(dp) :: step(2)
-    logical :: active(batch_size)
-    integer :: iteration, l
+    real(dp) :: state(2, size(lane))
+    logical :: active(size(lane))
+    integer :: next, l, most_cycles
 
-    active = .true.
-    attracts = .false.
-    work = 0
-    do iteration = 1, most_iterations
-      call run_periods_side_by_side(map, periods, state, active, run)
-      work = work + side_by_side*sum(run%work)
-      do l = 1, batch_size
-        if (.not. active(l)) cycle
-        if (is_closed(closure_of(map%osc, map%duration(l), state(:, l), run(l)), tolerance)) then
-          active(l) = .false.
-          attracts(l) = largest_multiplier(run(l)%monodromy) < 1 + 1e-6_dp
-        else
-          call newton_step(run(l)%monodromy, run(l)%state - state(:, l), step, active(l))
-          active(l) = active(l) .and. .not. run(l)%failed
-          state(:, l) = state(:, l) + step
+    most_cycles = options%most_cycles
+    if (.not. map%osc%damping_ratio > 0) most_cycles = min(most_cycles, 2*options%most_periods)
+    search%ends = [(end_t(state=starts(:, l)), l=1, size(starts, 2))]
+    if (size(lane) > 1) then
+      batch = map
+      batch%work = 0
+      call set_durations(batch, [(map%duration(1), l=1, batch_size)])
+    end if
+    next = 1
+    do
+      do l = 1, size(lane)
+        if (lane(l)%start == 0 .and. next <= size(starts, 2)) then
+          call enter(next, starts(:, next), options%most_periods, lane(l))
+          if (size(lane) == 1) lane(l)%next_try = huge(1)
+          next = next + 1
         end if
+        active(l) = lane(l)%start > 0
+        state(:, l) = merge(lane(l)%state(:, 0), starts(:, 1), active(l))
       end do
       if (.not. any(active)) exit
-    end do
-  end subroutine close_motions
-
-  !> Integrates several periods of all motions in a row as one.
-  pure subroutine run_periods_side_by_side(map, periods, start, active, run)
-    type(period_map_t), intent(inout) :: map
-    integer, intent(in) :: periods
-    real(dp), intent(in) :: start(2, batch_size)
-    logical, intent(in) :: active(batch_size)
-    type(period_t), intent(out) :: run(batch_size)
-    type(period_t) :: next(batch_size)
-    real(dp) :: state(2, batch_size)
-    integer :: i, l
-
-    call run_batch(map, start, active, .false., run)
-    do i = 2, periods
-      do l = 1, batch_size
-        state(:, l) = run(l)%state
+      search%stopped = wants_stop(options%stop)
+      if (search%stopped) exit
+      if (size(lane) > 1) then
+        call run_batch(batch, state, active, .false., run)
+      else
+        call run_batch(map, state, active, .false., run)
+      end if
+      do l = 1, size(lane)
+        if (.not. active(l)) cycle
+        call continue_by(run(l), map, options, is_one_enough, search, lane(l))
+        if (lane(l)%growth%periods >= min(most_cycles, max(1, int(most_work/map%steps)))) lane(l)%start = 0
       end do
-      call run_batch(map, state, active, .false., next)
-      do l = 1, batch_size
-        run(l)%state = next(l)%state
-        run(l)%monodromy = matmul(next(l)%monodromy, run(l)%monodromy)
-        run(l)%failed = run(l)%failed .or. next(l)%failed
-        run(l)%work = run(l)%work + next(l)%work
-      end do
+      if (.not. is_one_enough) cycle
+      if (any(search%ends%motion > 0) .or. size(lane) > 1 .and. any(search%known%attracts)) exit
     end do
-  end subroutine run_periods_side_by_side
+    if (allocated(batch)) map%work = map%work + batch%work
+  end subroutine follow_starts
 
-  !> Selects the first of the converged motions, run by itself.
-  pure subroutine take_first(map, options, periods, state, attracts, steady)
+  !> Assigns a start to a lane.
+  pure subroutine enter(start, state, periods, trajectory)
+    integer, intent(in) :: start                 ! index of the start
+    real(dp), intent(in) :: state(2)
+    integer, intent(in) :: periods               ! number of periods stored
+    type(trajectory_t), intent(out) :: trajectory
+
+    trajectory%start = start
+    allocate (trajectory%state(2, 0:periods), trajectory%monodromy(2, 2, periods), source=0.0_dp)
+    trajectory%state(:, 0) = state
+  end subroutine enter
+
+  !> Continues a motion by one mesh period: it is captured, is chaotic, ends or goes on.
+  pure subroutine continue_by(run, map, options, is_one_enough, search, trajectory)
+    type(period_t), intent(in) :: run
+    type(period_map_t), intent(inout) :: map     ! map with the duration of one speed
+    type(steady_options_t), intent(in) :: options
+    logical, intent(in) :: is_one_enough
+    type(search_t), intent(inout) :: search
+    type(trajectory_t), intent(inout) :: trajectory
+    ! Periods in a row in full contact after which a motion stays there: that many phases of its oscillation have occurred.
+    integer, parameter :: stays = 12
+    real(dp) :: scale(2)
+    integer :: motion, status
+
+    scale = scale_of(map%osc, map%duration(1))
+    motion = 0
+    status = status_transient
+    if (run%failed) then
+      status = status_chatter
+    else if (.not. is_bounded(map%osc, map%duration(1), run%state)) then
+      status = status_unbounded
+    else
+      call remember(run, scale(2)/scale(1), trajectory)
+      if (options%method == by_marching) then
+        call watch_return(map, options, search%known, trajectory, motion)
+      else
+        if (trajectory%in_full_contact >= stays) motion = search%in_full_contact
+        if (motion == 0) call watch_approach(search%known, run%state, scale, trajectory%approach, motion)
+        if (motion == 0) call try_newton(map, options, scale, is_one_enough, search%known, trajectory, motion)
+      end if
+      if (trajectory%growth%is_sure()) status = status_chaotic
+    end if
+    search%ends(trajectory%start) = end_t(motion, status, trajectory%growth%per_period(), trajectory%state(:, 0))
+    if (motion > 0 .or. status /= status_transient) trajectory%start = 0
+  end subroutine continue_by
+
+  !> Adds a period to the stored history of a motion; `unit` is that of y in a disturbance.
+  pure subroutine remember(run, unit, trajectory)
+    type(period_t), intent(in) :: run
+    real(dp), intent(in) :: unit
+    type(trajectory_t), intent(inout) :: trajectory
+    real(dp) :: one(2, 2)
+    integer :: k
+
+    one = limited(run%monodromy)
+    do k = min(trajectory%growth%periods + 1, size(trajectory%monodromy, 3)), 2, -1
+      trajectory%state(:, k) = trajectory%state(:, k - 1)
+      trajectory%monodromy(:, :, k) = limited(matmul(one, trajectory%monodromy(:, :, k - 1)))
+    end do
+    trajectory%state(:, 1) = trajectory%state(:, 0)
+    trajectory%monodromy(:, :, 1) = one
+    trajectory%state(:, 0) = run%state
+    trajectory%in_full_contact = merge(0, trajectory%in_full_contact + 1, run%departs)
+    call trajectory%growth%add(one, unit)
+  end subroutine remember
+
+  !> Limits disturbances over many turns, which may overflow; their size beyond the limit does not matter.
+  pure function limited(a) result(b)
+    real(dp), intent(in) :: a(2, 2)
+    real(dp), parameter :: largest = 1e140_dp    ! its square does not overflow
+    real(dp) :: b(2, 2)
+
+    b = a
+    if (maxval(abs(a)) > largest) b = a*(largest/maxval(abs(a)))
+  end function limited
+
+  !> Follows the disturbance over one more mesh period.
+  pure subroutine add(self, monodromy, unit)
+    class(growth_t), intent(inout) :: self
+    real(dp), intent(in) :: monodromy(2, 2)
+    real(dp), intent(in) :: unit                 !< unit of y
+    real(dp) :: size
+
+    self%periods = self%periods + 1
+    self%disturbance = matmul(monodromy, self%disturbance*[1.0_dp, unit])/[1.0_dp, unit]
+    size = max(norm2(self%disturbance), tiny(size))
+    self%disturbance = self%disturbance/size
+    if (self%periods > first_counted) self%logarithm = self%logarithm + log(size)
+  end subroutine add
+
+  !> True if a bounded motion is chaotic.
+  pure logical function is_sure(self)
+    class(growth_t), intent(in) :: self
+
+    is_sure = self%periods >= enough .and. self%logarithm > sure_growth
+  end function is_sure
+
+  !> Logarithm of the mean growth over a mesh period.
+  pure real(dp) function per_period(self)
+    class(growth_t), intent(in) :: self
+
+    per_period = self%logarithm/max(1, self%periods - first_counted)
+  end function per_period
+
+  !> Tries Newton's method where the linear maps of the last 1, 2, ... mesh periods predict a periodic motion, unless one is known
+  !> there: nearby, where the motion nearly repeats while its transient decays; from time to time, anywhere. If one motion is enough,
+  !> one that nearly repeats counts as captured by the predicted one, if that is near; if not, from time to time each number of
+  !> periods is tried.
+  pure subroutine try_newton(map, options, scale, is_one_enough, known, trajectory, captured)
     type(period_map_t), intent(inout) :: map
     type(steady_options_t), intent(in) :: options
-    integer, intent(in) :: periods
-    real(dp), intent(in) :: state(2, batch_size)
-    logical, intent(in) :: attracts(batch_size)
-    type(steady_t), intent(inout) :: steady
-    type(steady_t) :: found
-    integer :: l
+    real(dp), intent(in) :: scale(2)
+    logical, intent(in) :: is_one_enough
+    type(known_t), allocatable, intent(inout) :: known(:)
+    type(trajectory_t), intent(inout) :: trajectory
+    integer, intent(inout) :: captured           ! index of the motion predicted
+    real(dp), parameter :: promising = 2, nearby = 0.25_dp    ! static deflections
+    type(steady_t) :: steady
+    real(dp) :: defect(2), step(2), difference(2)
+    integer :: periods, motion, which
+    logical :: solved, anywhere, repeats, is_known
 
-    do l = 1, batch_size
-      if (.not. attracts(l)) cycle
-      call shoot(map, options%tolerance, periods, state(:, l), found)
-      if (has_result(found%status)) then
-        if (periods > 1) call shorten(map, options%tolerance, found)
-        call adopt(found, steady)
-        return
+    anywhere = trajectory%growth%periods >= trajectory%next_try
+    if (.not. (anywhere .or. trajectory%growth%periods >= trajectory%next_shot)) return
+    do periods = 1, min(size(trajectory%monodromy, 3), trajectory%growth%periods)
+      defect = trajectory%state(:, 0) - trajectory%state(:, periods)
+      repeats = all(abs(defect) < nearby*scale)
+      if (.not. (repeats .or. anywhere)) cycle
+      call newton_step(trajectory%monodromy(:, :, periods), defect, step, solved)
+      if (repeats) repeats = largest_multiplier(trajectory%monodromy(:, :, periods)) < 1
+      if (.not. solved .or. any(abs(step) > merge(nearby, promising, repeats .and. .not. anywhere)*scale)) cycle
+      if (.not. (repeats .or. anywhere)) cycle
+      call find_nearest(known, trajectory%state(:, periods) + step, scale, motion, which, difference)
+      is_known = maxval(abs(difference)) < 0.1_dp*min(1.0_dp, maxval(abs(step)/scale))
+      if (.not. is_known) then
+        call try_shooting(map, options%tolerance, periods, trajectory%state(:, periods) + step, steady)
+        call add_known(map, steady, known, motion)
+        if (repeats) trajectory%next_shot = trajectory%growth%periods + 5 + trajectory%growth%periods/5
       end if
-      steady%work = steady%work + found%work
+      if (motion > 0 .and. repeats .and. is_one_enough) then
+        call find_nearest(known(motion:motion), trajectory%state(:, 0), scale, which, which, difference)
+        if (known(motion)%attracts .and. maxval(abs(difference)) < near) captured = motion
+      end if
+      if (captured > 0 .or. (repeats .or. is_one_enough) .and. .not. is_known) exit
     end do
-  end subroutine take_first
+    if (anywhere) trajectory%next_try = trajectory%growth%periods &
+                                        + max(1, trajectory%growth%periods/merge(4, 2, is_one_enough))
+  end subroutine try_newton
 
-  !> Computes starts after the first `before` ones: on a spiral about rest with the golden angle between them, so that they never
-  !> line up; the distances repeat after eight, up to `widest` static deflections.
-  pure subroutine spread_starts(map, before, state)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: before
-    real(dp), intent(out) :: state(2, batch_size)
-    real(dp), parameter :: widest = 6, golden = pi*(3 - sqrt(5.0_dp))
-    real(dp) :: radius, angle
-    integer :: l
+  !> Tries Newton's method in full steps, and gives up as soon as these do not shrink: most tries fail.
+  pure subroutine try_shooting(map, tolerance, periods, start, steady)
+    type(period_map_t), intent(inout) :: map
+    real(dp), intent(in) :: tolerance            ! tolerance of the dynamic factor
+    integer, intent(in) :: periods               ! mesh periods after which the motion is to repeat
+    real(dp), intent(in) :: start(2)             ! m
+    type(steady_t), intent(out) :: steady        ! motion; without a result if it does not converge
+    integer, parameter :: most_iterations = 10
+    real(dp), parameter :: small = 1e-3_dp     ! static deflections
+    type(period_t) :: run
+    real(dp) :: state(2), step(2), size, last
+    integer :: iteration
+    logical :: solved
 
-    associate (osc => map%osc, duration => map%duration(1))
-      do l = 1, batch_size
-        radius = widest*(l - 0.5_dp)/batch_size*osc%static_deflection
-        angle = golden*(before + l)
-        state(:, l) = [osc%mean_deflection, 0.0_dp] &
-                      + radius*[cos(angle), sin(angle)*max(1.0_dp, osc%natural_frequency*duration)]
+    state = start
+    last = huge(last)
+    do iteration = 1, most_iterations
+      call run_periods(map, state, periods, run)
+      if (run%failed) return
+      call newton_step(run%monodromy, run%state - state, step, solved)
+      size = distance(map%osc, map%duration(1), step)
+      if (.not. solved .or. size > 0.7_dp*last .and. iteration > 2) return
+      state = state + step
+      last = size
+      if (size > small) cycle
+      call shoot(map, tolerance, periods, state, steady)
+      return
+    end do
+  end subroutine try_shooting
+
+  !> Finds whether a motion repeats by itself: its distance from the periodic motion that the linear map of its last periods
+  !> predicts is far below the tolerance.
+  pure subroutine watch_return(map, options, known, trajectory, motion)
+    type(period_map_t), intent(inout) :: map
+    type(steady_options_t), intent(in) :: options
+    type(known_t), allocatable, intent(inout) :: known(:)
+    type(trajectory_t), intent(in) :: trajectory
+    integer, intent(inout) :: motion             ! index of that motion, added to the known ones
+    type(period_t) :: run
+    type(steady_t) :: steady
+    real(dp) :: defect(2), step(2), small
+    integer :: periods
+    logical :: solved
+
+    small = 1e-3_dp*options%tolerance
+    associate (osc => map%osc, duration => map%duration(1), state => trajectory%state(:, 0))
+      do periods = 1, min(options%most_periods, trajectory%growth%periods)
+        defect = state - trajectory%state(:, periods)
+        if (distance(osc, duration, defect) > small) cycle
+        if (largest_multiplier(trajectory%monodromy(:, :, periods)) > 1) cycle
+        call newton_step(trajectory%monodromy(:, :, periods), defect, step, solved)
+        if (.not. solved .or. distance(osc, duration, step - defect) > small) cycle
+        call run_periods(map, state, periods, run)
+        call judge(osc, duration, state, run, closure_of(osc, duration, state, run), periods, steady)
+        if (has_result(steady%status)) call add_known(map, steady, known, motion)
+        return
       end do
     end associate
-  end subroutine spread_starts
-
-  !> Tries the strategies in turn for the steady motion, or finds why there is none.
-  pure subroutine try_in_turn(map, options, linear, steady)
-    type(period_map_t), intent(inout) :: map         !< map with the duration of one speed
-    type(steady_options_t), intent(in) :: options
-    real(dp), intent(in) :: linear(2)                !< state of the motion in full contact, m
-    type(steady_t), intent(inout) :: steady          !< in: without a result
-    integer, parameter :: last = 6
-    type(steady_t) :: found
-    real(dp) :: rest(2)
-    integer :: attempt
-
-    rest = [map%osc%mean_deflection, 0.0_dp]
-    do attempt = 1, last
-      ! Where changes of contact are not located, the map has jumps: Newton's method converges only from nearby.
-      if (allocated(map%literature) .and. attempt > 1 .and. attempt < last) cycle
-      if (attempt < last .and. (wants_stop(options%stop) .or. steady%work > most_work)) cycle
-      found = steady_t()
-      select case (attempt)
-      case (1)
-        call shoot(map, options%tolerance, 1, linear, found)
-      case (2)
-        call double(map, options, steady, found)
-      case (3)
-        call run_transient(map, options, from_rest, rest, found)
-      case (4)
-        call lower_damping(map, options, found)
-      case (5)
-        call try_starts(map, options, found)
-      case default
-        call march(map, options, rest, steady)
-        return
-      end select
-      call take(found, steady)
-      if (has_result(steady%status)) return
-      ! If contact changes without end from rest, it does so from other starts too.
-      if (attempt == 3 .and. found%status == status_chatter) steady%status = status_chatter
-      if (steady%status == status_chatter) return
-    end do
-  end subroutine try_in_turn
-
-  !> Keeps a motion that attracts, or the first that repels.
-  pure subroutine take(found, steady)
-    type(steady_t), intent(in) :: found
-    type(steady_t), intent(inout) :: steady
-
-    if (has_result(found%status) .or. (found%status == status_unstable .and. steady%status /= status_unstable)) then
-      call adopt(found, steady)
-    else
-      steady%work = steady%work + found%work
-    end if
-  end subroutine take
+  end subroutine watch_return
 
   !> Continues from a motion that repels through a multiplier below -1 to one of twice as many periods, until that attracts.
   pure subroutine double(map, options, repelling, steady)
     type(period_map_t), intent(inout) :: map         !< map with the duration of one speed
     type(steady_options_t), intent(in) :: options
     type(steady_t), intent(in) :: repelling          !< otherwise unchanged
-    type(steady_t), intent(out) :: steady            !< with a result if one was found; its work is that done here
-    type(steady_t) :: last, next
-    real(dp) :: work
+    type(steady_t), intent(out) :: steady            !< with a result if one was found
+    type(steady_t) :: last
 
-    work = 0
     last = repelling
     do while (last%status == status_unstable .and. 2*last%periods <= options%most_periods)
-      call double_once(map, options%tolerance, last, next)
-      work = work + next%work
-      last = next
+      call double_once(map, options%tolerance, last, steady)
+      last = steady
     end do
-    if (has_result(last%status)) then
-      last%work = 0
-      call shorten(map, options%tolerance, last)
-      steady = last
-    end if
-    steady%work = steady%work + work
   end subroutine double
 
   !> Finds the motion of twice as many periods, from starts along the direction in which disturbances grow.
@@ -266,107 +405,14 @@ contains
 
     associate (osc => map%osc, duration => map%duration(1))
       call run_periods(map, last%state, last%periods, run)
-      next%work = run%work
       call most_negative_direction(osc, duration, run%monodromy, direction, doubles)
       if (.not. doubles) return
       do i = 1, size(away)
         call shoot(map, tolerance, 2*last%periods, last%state + away(i)*osc%static_deflection*direction, found)
-        if (distance(osc, duration, found%state - last%state) > same .and. &
-            (has_result(found%status) .or. (found%status == status_unstable .and. next%status /= status_unstable))) then
-          call adopt(found, next)
-          if (has_result(next%status)) return
-        else
-          next%work = next%work + found%work
-        end if
+        if (.not. distance(osc, duration, found%state - last%state) > same) cycle
+        if (has_result(found%status) .or. (found%status == status_unstable .and. next%status /= status_unstable)) next = found
+        if (has_result(next%status)) return
       end do
     end associate
   end subroutine double_once
-
-  !> Follows the motion from strong damping, if it exists there, down to the damping of the map.
-  pure subroutine lower_damping(map, options, steady)
-    type(period_map_t), intent(inout) :: map
-    type(steady_options_t), intent(in) :: options
-    type(steady_t), intent(out) :: steady
-    real(dp), parameter :: strong = 0.5_dp, weakest = 1e-5_dp, stride = 0.7_dp, shortest = 0.9_dp
-    integer, parameter :: most_solves = 40
-    type(steady_t) :: here, there
-    real(dp) :: damping, state(2), at, next, factor, work
-    integer :: solve
-
-    damping = map%osc%damping_ratio
-    if (damping >= strong) return
-    at = strong
-    factor = stride
-    call set_damping(map, at)
-    call solve_full_contact(map, state, here)
-    if (.not. has_converged(here)) call shoot(map, options%tolerance, 1, state, here)
-    work = 0
-    do solve = 1, most_solves
-      if (.not. has_result(here%status) .or. .not. at > damping .or. work > most_work) exit
-      next = max(damping, factor*at)
-      if (next < weakest) next = damping
-      call set_damping(map, next)
-      call shoot(map, options%tolerance, here%periods, here%state, there)
-      work = work + there%work
-      if (.not. has_result(there%status) .and. factor < shortest) then
-        ! The motion repels from here on, or ends: a repelling one is replaced by its doubled one, else smaller steps follow it to
-        ! its end.
-        call leave_repelling(map, options, there, work)
-        if (.not. has_result(there%status)) then
-          factor = sqrt(factor)
-          cycle
-        end if
-      else if (.not. has_result(there%status)) then
-        call run_transient(map, options, beyond_end, here%state, there)
-        work = work + there%work
-      end if
-      here = there
-      at = next
-      factor = stride
-    end do
-    call set_damping(map, damping)
-    if (has_result(here%status) .and. .not. at > damping) then
-      here%work = work
-      ! The period of a doubled motion may have halved again.
-      if (here%periods > 1) call shorten(map, options%tolerance, here)
-      steady = here
-    else
-      steady%work = work
-    end if
-  end subroutine lower_damping
-
-  !> Replaces a repelling motion by its doubled one.
-  pure subroutine leave_repelling(map, options, motion, work)
-    type(period_map_t), intent(inout) :: map
-    type(steady_options_t), intent(in) :: options
-    type(steady_t), intent(inout) :: motion
-    real(dp), intent(inout) :: work
-    type(steady_t) :: found
-
-    call double(map, options, motion, found)
-    work = work + found%work
-    if (has_result(found%status)) motion = found
-  end subroutine leave_repelling
-
-  !> Runs a short transient, and finds the motion it leads to.
-  pure subroutine run_transient(map, options, cycles, start, motion)
-    type(period_map_t), intent(inout) :: map
-    type(steady_options_t), intent(in) :: options
-    integer, intent(in) :: cycles                    ! mesh periods
-    real(dp), intent(in) :: start(2)
-    type(steady_t), intent(out) :: motion
-    type(steady_options_t) :: brief
-
-    brief = options
-    brief%most_cycles = min(cycles, options%most_cycles)
-    call march(map, brief, start, motion)
-  end subroutine run_transient
-
-  pure subroutine set_damping(map, damping_ratio)
-    type(period_map_t), intent(inout) :: map
-    real(dp), intent(in) :: damping_ratio
-
-    map%osc%damping_ratio = damping_ratio
-    call set_durations(map, [map%duration(1)])
-  end subroutine set_damping
 end module gearsweep_motion_search

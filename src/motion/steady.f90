@@ -1,41 +1,136 @@
 !> Steady motion at one speed, or at all speeds of a batch, by Newton's method on the period map or by marching.
 module gearsweep_motion_steady
-  use gearsweep_base, only: dp
-  use gearsweep_motion_contact_set, only: period_t
+  use gearsweep_base, only: dp, pi, wants_stop
+  use gearsweep_motion_contact_set, only: join, period_t
   use gearsweep_motion_gauss, only: batch_size
+  use gearsweep_motion_known_motions, only: add_known, known_t
   use gearsweep_motion_oscillator, only: oscillator_t
-  use gearsweep_motion_period, only: run_batch, run_full_contact
+  use gearsweep_motion_period, only: run_batch, run_full_contact, run_period
   use gearsweep_motion_period_map, only: period_map_t
-  use gearsweep_motion_periodic_orbit, only: adopt, closure_of, distance, has_converged, is_closed, judge, near, newton_step, &
-    shoot, solve_full_contact, steady_t
-  use gearsweep_motion_search, only: double, try_in_turn
-  use gearsweep_motion_steady_motion, only: has_result, status_unstable
-  use gearsweep_motion_transient, only: by_shooting, march, steady_options_t
+  use gearsweep_motion_periodic_orbit, only: closure_of, distance, has_converged, is_bounded, is_closed, judge, most_work, near, &
+    newton_step, shoot, solve_full_contact
+  use gearsweep_motion_search, only: double, find_first, find_from, search_t
+  use gearsweep_motion_steady_motion, only: by_shooting, has_result, seen_t, status_aperiodic, status_chaotic, status_chatter, &
+    status_stopped, status_transient, status_unbounded, status_unstable, steady_options_t, steady_t
   implicit none
   private
-  public :: find_steady, find_batch, find_beside, find_converged, is_one_branch
+  public :: find_steady, find_batch, find_beside, find_converged, is_one_branch, starts_around
 
 contains
 
-  !> Finds the steady motion at the speed of a map: the one that `start` leads to; without `start`, the motion in full contact if
-  !> there is one, else the one of gearsweep_motion_search.
+  !> Finds the steady motion at the speed of a map: the one that `start` leads to; without `start`, the motion in full contact or
+  !> that of Newton's method from there, else the one that rest leads to. Where that does not repeat soon, other starts are tried
+  !> for a few mesh periods, in which their motions do not yet depend on rounding, and then rest for as long as it takes.
   pure subroutine find_steady(map, options, steady, start)
     type(period_map_t), intent(inout) :: map         !< map with the duration of one speed
     type(steady_options_t), intent(in) :: options
     type(steady_t), intent(out) :: steady
     real(dp), intent(in), optional :: start(2)       !< state, m
-    real(dp) :: linear(2)
+    integer, parameter :: soon = 100, few = 16       ! mesh periods
+    type(search_t) :: search
+    real(dp) :: first(2)
+    integer :: motion
 
+    if (present(start) .and. options%method == by_shooting) then
+      call find_beside(map, options, start, steady)
+      if (has_result(steady%status)) return
+    end if
+    call find_first(map, options, search)
+    motion = 0
+    first = [map%osc%mean_deflection, 0.0_dp]
     if (present(start)) then
-      if (options%method == by_shooting) call find_beside(map, options, start, steady)
-      if (.not. has_result(steady%status)) call march(map, options, start, steady)
-    else if (options%method == by_shooting) then
-      call solve_full_contact(map, linear, steady)
-      if (.not. has_converged(steady)) call try_in_turn(map, options, linear, steady)
+      first = start
     else
-      call march(map, options, [map%osc%mean_deflection, 0.0_dp], steady)
+      motion = findloc(search%known%attracts, .true., 1)
+      if (size(search%known) > 0) steady = search%known(max(1, motion))%steady
+      if (motion > 0) return
+      ! Where changes of contact are not located, the map of the period has jumps, and by marching a motion repeats by itself.
+      if (.not. allocated(map%literature) .and. options%method == by_shooting) then
+        call find_from(map, options, soon, reshape(first, [2, 1]), search, motion)
+        if (search%ends(1)%status == status_chatter) then
+          ! If contact changes without end from rest, it does so from other starts too.
+          steady%status = status_chatter
+          return
+        end if
+        first = search%ends(1)%state
+        if (motion == 0) call find_from(map, options, few, starts_around(map, spiral()), search, motion)
+      end if
+    end if
+    if (motion == 0) call find_from(map, options, options%most_cycles, reshape(first, [2, 1]), search, motion)
+    if (motion > 0) then
+      steady = search%known(motion)%steady
+    else
+      call conclude(map, options, search, steady)
     end if
   end subroutine find_steady
+
+  !> Starts around rest, m; (2, start).
+  pure function starts_around(map, places) result(starts)
+    type(period_map_t), intent(in) :: map            !< map with the duration of one speed
+    !> Displacement from the mean deflection, and velocity over the natural frequency, in static deflections; (2, start)
+    real(dp), intent(in) :: places(:, :)
+    real(dp) :: starts(2, size(places, 2))
+    integer :: i
+
+    associate (osc => map%osc)
+      do i = 1, size(places, 2)
+        starts(:, i) = [osc%mean_deflection, 0.0_dp] + &
+                       osc%static_deflection*places(:, i)*[1.0_dp, osc%natural_frequency*map%duration(1)]
+      end do
+    end associate
+  end function starts_around
+
+  !> Places for `starts_around` on a spiral with the golden angle between them, so that they never line up; the distances repeat
+  !> after eight.
+  pure function spiral() result(places)
+    integer, parameter :: starts = 24
+    real(dp), parameter :: widest = 6, golden = pi*(3 - sqrt(5.0_dp))      ! static deflections, rad
+    real(dp) :: places(2, starts)
+    integer :: i
+
+    do i = 1, starts
+      places(:, i) = widest*(modulo(i - 1, batch_size) + 0.5_dp)/batch_size*[cos(golden*i), sin(golden*i)]
+    end do
+  end function spiral
+
+  !> Finds why the first start leads to no steady motion, and observes the motion that it leads to.
+  pure subroutine conclude(map, options, search, steady)
+    type(period_map_t), intent(inout) :: map
+    type(steady_options_t), intent(in) :: options
+    type(search_t), intent(in) :: search
+    type(steady_t), intent(inout) :: steady          !< in: a motion that repels, if one is known
+    integer, parameter :: watched = 500
+    type(period_t) :: run
+    real(dp) :: state(2)
+    integer :: i
+
+    associate (end => search%ends(1), osc => map%osc)
+      if (search%stopped) then
+        steady%status = status_stopped
+      else if (any(end%status == [status_chatter, status_unbounded])) then
+        steady%status = end%status
+      else if (end%status == status_chaotic) then
+        steady = steady_t(status=status_chaotic, multiplier=exp(end%growth))
+      else if (steady%status /= status_unstable) then
+        steady%status = merge(status_transient, status_aperiodic, osc%damping_ratio > 0)
+      end if
+      if (.not. any(end%status == [status_chaotic, status_transient]) .or. .not. osc%damping_ratio > 0) return
+      state = end%state
+      do i = 1, min(watched, int(most_work/map%steps))
+        if (wants_stop(options%stop)) steady%status = status_stopped
+        if (steady%status == status_stopped) return
+        call run_period(map, state, run)
+        if (run%failed .or. .not. is_bounded(osc, map%duration(1), run%state)) return
+        state = run%state
+        steady%departs = steady%departs .or. run%departs
+        steady%partial = steady%partial .or. run%partial
+        steady%lost = steady%lost .or. run%lost
+        steady%coast = steady%coast .or. run%coast
+        steady%seen = seen_t(steady%seen%periods + osc%mesh%deviations%periods, max(steady%seen%peak, run%peak), &
+                             join(steady%seen%dte, run%dte))
+      end do
+    end associate
+  end subroutine conclude
 
   !> Finds the motion near `start` by Newton's method, on the same branch: that of one mesh period or, where it repels by period
   !> doubling, of two and more.
@@ -44,18 +139,19 @@ contains
     type(steady_options_t), intent(in) :: options
     real(dp), intent(in) :: start(2)                 !< state, m
     type(steady_t), intent(out) :: steady            !< motion; without a result if there is none
+    type(known_t), allocatable :: known(:)
     type(steady_t) :: doubled
+    integer :: which
 
     call shoot(map, options%tolerance, 1, start, steady)
     if (.not. (is_near(steady) .or. is_one_branch(map%osc, steady%partial))) then
-      steady = steady_t(work=steady%work)
+      steady = steady_t()
     else if (steady%status == status_unstable .and. .not. allocated(map%literature)) then
       call double(map, options, steady, doubled)
-      if (has_result(doubled%status) .and. is_near(doubled)) then
-        call adopt(doubled, steady)
-      else
-        steady%work = steady%work + doubled%work
-      end if
+      allocate (known(0))
+      call add_known(map, doubled, known, which)
+      if (which == 0) return
+      if (known(1)%attracts .and. is_near(known(1)%steady)) steady = known(1)%steady
     end if
 
   contains
@@ -73,13 +169,11 @@ contains
     type(period_map_t), intent(inout) :: map         !< map with the duration of one speed
     real(dp), intent(in) :: tolerance                !< tolerance of the dynamic factor
     type(steady_t), intent(out) :: steady            !< motion; without a result if there is none
-    real(dp) :: state(2), work
+    real(dp) :: state(2)
 
     call solve_full_contact(map, state, steady)
     if (has_converged(steady) .or. .not. map%osc%by_load) return
-    work = steady%work
     call shoot(map, tolerance, 1, state, steady)
-    steady%work = steady%work + work
   end subroutine find_converged
 
   !> True if there is only one motion, from any start. This is assumed while all pairs between A and E stay in contact, even if

@@ -91,7 +91,6 @@ module gearsweep_motion_steady_motion
     real(dp) :: residual = 0                     !< residual of x(T) = x(0), in static deflections
     real(dp) :: closure = 0                      !< error of the state due to the residual, in static deflections
     integer :: periods = 1                       !< mesh periods until the motion repeats
-    real(dp) :: work = 0                         !< computing time to find it, in steps
     !> True: contact was not always full, as linear motion needs.
     logical :: departs = .false.
     !> True: a pair between A and E was apart for a while; all flanks were; the coast sides came into contact.
@@ -106,7 +105,6 @@ module gearsweep_motion_steady_motion
     real(dp) :: estimate = 0                     !< estimate of the error of the dynamic factor; NaN: not known
     real(dp) :: dte_estimate = 0                 !< estimate of the errors of `dte_rms` and `dte_range`, m; NaN: not known
     real(dp) :: step_error = 0                   !< part of `estimate` that more steps reduce
-    real(dp) :: work = 0                         !< total steps of all levels tried; not counted in batches
     integer :: steps = 0                         !< number of steps of the period
     type(resolution_t) :: resolution             !< resolution with these steps
     integer :: motions = 0                       !< number of attracting motions found, this being the largest; 0: no search

@@ -17,9 +17,8 @@ module gearsweep_motion_sweep
   use gearsweep_motion_operating_point, only: solve_batch, solve_point
   use gearsweep_motion_oscillator, only: mesh_period, oscillator_t
   use gearsweep_motion_periodic_orbit, only: distance
-  use gearsweep_motion_steady_motion, only: accuracy_t, has_result, point_t, seen_t, status_stopped, status_unbounded, &
-    status_unresolved, steady_t
-  use gearsweep_motion_transient, only: by_shooting
+  use gearsweep_motion_steady_motion, only: accuracy_t, by_shooting, has_result, point_t, seen_t, status_stopped, &
+    status_unbounded, status_unresolved, steady_t
   implicit none
   private
   public :: sweep_t, sweep_options_t, counter_t, progress_of_sweep, run_sweep, contact_name, contact_of

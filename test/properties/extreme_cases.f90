@@ -4,7 +4,7 @@ module test_properties_extreme_cases
   use gearsweep_base_kinds, only: dp
   use, intrinsic :: iso_fortran_env, only: int64
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-  use gearsweep_motion_error_estimate, only: levels_t, point_t
+  use gearsweep_motion_error_estimate, only: levels_t, point_t, work_of
   use gearsweep_motion_operating_point, only: solve_point
   use gearsweep_motion_oscillator, only: mesh_period
   use gearsweep_motion_sweep, only: down, each
@@ -228,7 +228,7 @@ contains
       outcome%value = sweep%number('dynamic_factor', k)
       if (.not. ieee_is_nan(outcome%value)) outcome%error = sweep%number('error_estimate', k)/outcome%value
       call solve_point(motion, mesh_period(motion%mesh%teeth(1), sweep%number('rpm', k)), accuracy, tables, point)
-      outcome%work = point%work
+      outcome%work = work_of(tables)
       if (row%quantity == 'multiplier') then
         ! No estimate comes along.
         outcome%value = sweep%number('floquet_modulus', k)

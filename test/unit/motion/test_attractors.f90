@@ -4,7 +4,7 @@ module test_attractors
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
   use gearsweep_motion_attractors, only: attractors_t, find_attractors, largest_reached
-  use gearsweep_motion_attractor_search, only: attractor_options_t, start_states
+  use gearsweep_motion_attractors, only: attractor_options_t, start_states
   use gearsweep_study_case_case, only: case_t
   use gearsweep_api_case_reader, only: read_case
   use gearsweep_base_error, only: error_t

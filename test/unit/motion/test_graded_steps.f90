@@ -205,8 +205,8 @@ contains
     call solve(osc, 10.0_dp, options, slow)
     do i = 1, 5
       call solve(osc, 10.0_dp**(-i), options, point)
-      call check_true(t, 'steps at 1e-'//str(i)//' rpm', point%work <= 2*slow%work, &
-                      str(point%work)//', at 10 rpm '//str(slow%work))
+      call check_true(t, 'steps at 1e-'//str(i)//' rpm', point%steps <= 2*slow%steps, &
+                      str(point%steps)//', at 10 rpm '//str(slow%steps))
     end do
     do i = 1, 3
       osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], none, 10.0_dp**i)

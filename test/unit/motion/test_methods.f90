@@ -15,7 +15,7 @@ module test_methods
   use gearsweep_motion_steady_motion, only: has_result, status_inexact
   use gearsweep_motion_sweep, only: contact_full, each, run_sweep, sweep_options_t, sweep_t
   use gearsweep_base_text, only: str
-  use gearsweep_motion_transient, only: by_marching
+  use gearsweep_motion_steady_motion, only: by_marching
   use test_support_random_numbers, only: random_t
   use test_support_solve_one_point, only: mesh_of, solve
   use test_support_testing, only: check_close, check_true, tally_t

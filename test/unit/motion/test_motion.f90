@@ -10,7 +10,7 @@ module test_motion
   use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_motion_periodic_orbit, only: largest_multiplier
   use gearsweep_motion_response, only: find_response, response_t
-  use gearsweep_motion_transient, only: by_marching
+  use gearsweep_motion_steady_motion, only: by_marching
   use gearsweep_motion_steady_motion, only: has_result, status_marginal, status_name, status_ok, status_unresolved
   use gearsweep_base_text, only: str
   use test_support_reference_rows, only: next_row, oscillator_of, read_rows, row_t

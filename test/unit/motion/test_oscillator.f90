@@ -8,7 +8,7 @@ module test_oscillator
   use gearsweep_motion_contact_law, only: find_closed, find_law, find_law_values, shared_t
   use gearsweep_motion_load_peaks, only: add_candidate, candidate_t, candidates_t, may_exceed, raise_to_maximum
   use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
-  use gearsweep_motion_transient, only: growth_t
+  use gearsweep_motion_search, only: growth_t
   use gearsweep_base_quintic, only: derivative_of, first_zero, maximum_of, may_cross_zero, over_part, place_of_largest, quintic, &
             value_of
   use gearsweep_base_text, only: str

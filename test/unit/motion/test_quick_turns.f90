@@ -2,7 +2,7 @@
 !> and against the motions to the tolerance.
 module test_quick_turns
   use gearsweep_motion_attractors, only: attractors_t, find_attractors, largest_reached
-  use gearsweep_motion_attractor_search, only: attractor_options_t
+  use gearsweep_motion_attractors, only: attractor_options_t
   use gearsweep_mesh_deviations, only: deviations_t, make_deviations, wave_t
   use gearsweep_base_error, only: error_t
   use gearsweep_motion_error_estimate, only: accuracy_t, levels_t

@@ -10,7 +10,7 @@ module test_sweep
   use gearsweep_motion_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_motion_sweep, only: both, contact_full, contact_lost, down, each, run_sweep, sweep_options_t, sweep_t, up
   use gearsweep_api_tables, only: column_of
-  use gearsweep_motion_transient, only: by_marching
+  use gearsweep_motion_steady_motion, only: by_marching
   use gearsweep_motion_steady_motion, only: has_result, status_ok
   use gearsweep_study_run_study, only: run_study, study_t
   use gearsweep_base_text, only: str
