@@ -9,10 +9,9 @@ module gearsweep_motion_attractors
   use, intrinsic :: iso_c_binding, only: c_ptr
   use gearsweep_base, only: claim_memory, code_memory, dp, error_t, fail, has_memory, leader_traps, release_claim, share_traps, &
     str, team, wants_stop
-  use gearsweep_motion_error_estimate, only: accuracy_t, compare, first_level, last_level, levels_t, mark_inexact, need_level, &
-    next_level, per_doubling, point_t, resolution_of, search_level
+  use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, need_level, per_doubling, point_t, search_level
   use gearsweep_motion_known_motions, only: add_known, known_t
-  use gearsweep_motion_operating_point, only: solve_point
+  use gearsweep_motion_operating_point, only: refine, solve_point
   use gearsweep_motion_oscillator, only: mesh_period, oscillator_t
   use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_motion_periodic_orbit, only: distance, shoot
@@ -270,6 +269,8 @@ contains
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels
     type(attractor_t), intent(inout) :: motion
+    type(point_t) :: points(1)
+    logical :: solved(1)
 
     levels%steps_per_second = 0
     if (motion%known%steady%departs) then
@@ -279,8 +280,9 @@ contains
     end if
     if (motion%point%steady%status == status_stopped .or. levels%lacks) return
     if (is_of(osc, duration, motion%point, motion%known)) return
-    if (options%scheme == scheme_collocation .and. options%steps == 0) &
-      call refine(osc, duration, options, levels, motion%known%steady, motion%point)
+    if (options%scheme /= scheme_collocation .or. options%steps > 0) return
+    call refine(osc, [duration], options, resolution_t(), levels, points, solved, motion%known%steady)
+    motion%point = points(1)
   end subroutine solve_known
 
   !> True if this point, solved to the tolerance, is a known motion.
@@ -299,40 +301,6 @@ contains
       if (is_of) return
     end do
   end function is_of
-
-  !> Refines a motion by Newton's method, with some number of steps and with half of it, until the tolerance is met.
-  pure subroutine refine(osc, duration, options, levels, nearly, point)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: duration
-    type(accuracy_t), intent(in) :: options
-    type(levels_t), intent(inout) :: levels
-    type(steady_t), intent(in) :: nearly
-    type(point_t), intent(out) :: point
-    integer, parameter :: most_trials = 12
-    type(steady_t) :: half
-    integer :: level, trial
-    logical :: done
-
-    point%steady%status = status_unresolved
-    level = min(last_level(osc, options), first_level(osc, duration, options, levels))
-    do trial = 1, most_trials
-      call need_level(osc, level, levels)
-      if (levels%lacks) return
-      associate (fine => levels%level(level)%map, coarse => levels%level(level - per_doubling)%map)
-        call set_durations(fine, [duration])
-        call set_durations(coarse, [duration])
-        call shoot(fine, options%steady%tolerance, nearly%periods, nearly%state, point%steady)
-        if (.not. has_result(point%steady%status)) return
-        call shoot(coarse, options%steady%tolerance, nearly%periods, point%steady%state, half)
-        point%steps = fine%steps
-      end associate
-      point%resolution = resolution_of(level)
-      call compare(osc, duration, half, point)
-      call next_level(osc, options, point%step_error, duration, levels, level, done)
-      if (done) exit
-    end do
-    call mark_inexact(options, point)
-  end subroutine refine
 
   !> Searches at all speeds and with all reliefs if it is wanted, else sets the counts to NaN.
   subroutine count_motions(osc, rpm, options, wanted, found, error)
@@ -412,7 +380,7 @@ contains
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels
     type(point_t), intent(inout) :: point
-    integer, parameter :: settling = 20          ! periods of the map, beside those of the decay
+    integer, parameter :: beyond_decay = 20          ! periods of the map, beside those of the decay
     real(dp), parameter :: most_decays = 1000
     type(steady_options_t) :: limits
     type(accuracy_t) :: brief
@@ -426,7 +394,7 @@ contains
     if (levels%lacks) return
     limits = options%steady
     limits%tolerance = search_tolerance
-    limits%most_cycles = settling + ceiling(2*min(start_decay/(osc%damping_ratio*osc%natural_frequency*duration), most_decays) &
+    limits%most_cycles = beyond_decay + ceiling(2*min(start_decay/(osc%damping_ratio*osc%natural_frequency*duration), most_decays) &
                                      /osc%mesh%deviations%periods)
     allocate (search%known(0))
     associate (map => levels%level(level - per_doubling)%map)

@@ -13,14 +13,16 @@ module gearsweep_motion_error_estimate
   implicit none
   private
   public :: accuracy_t, point_t, compare, is_estimated, leave_unknown, mark_inexact, levels_t, work_of, forget_levels, &
-            resolution_of, level_steps, first_level, last_level, search_level, need_level, need_batch_level, next_level, &
-            first_guess, root, need_given, given_resolution, given_steps
+            resolution_of, level_steps, first_level, last_level, search_level, need_level, next_level, &
+            first_guess, root, need_given, need_graded, given_resolution, given_steps
 
   real(dp), parameter :: root = 1.0_dp/order
 
   !> Levels between a number of steps and half of it.
   integer, parameter, public :: per_doubling = 3
   integer, parameter :: most_levels = 48
+  !> Indices of maps of other numbers of steps, and of half as many: graded steps, and a specified number.
+  integer, parameter, public :: graded = -1, half_graded = -2, given = -3, half_given = -4
 
   type :: level_t
     type(period_map_t), allocatable :: map
@@ -28,11 +30,8 @@ module gearsweep_motion_error_estimate
 
   !> Levels discretised so far, and the start for the next operating point.
   type :: levels_t
-    type(level_t) :: level(0:most_levels)
-    logical :: made(0:most_levels) = .false.
-    type(level_t) :: given(2)                    !< levels of a specified number of steps, and of half of it
-    type(level_t) :: graded(2)                   !< levels of graded steps, and of half of them
-    logical :: given_made = .false.
+    type(level_t) :: level(half_given:most_levels)
+    logical :: made(half_given:most_levels) = .false.
     logical :: lacks = .false.                   !< memory was too small for one: points have no result
     real(dp) :: steps_per_second = 0             !< steps per second that the last point needed, over its period
   end type levels_t
@@ -147,12 +146,8 @@ contains
     integer :: i
 
     work_of = 0
-    do i = 0, most_levels
+    do i = half_given, most_levels
       if (allocated(levels%level(i)%map)) work_of = work_of + levels%level(i)%map%work
-    end do
-    do i = 1, 2
-      if (allocated(levels%given(i)%map)) work_of = work_of + levels%given(i)%map%work
-      if (allocated(levels%graded(i)%map)) work_of = work_of + levels%graded(i)%map%work
     end do
   end function work_of
 
@@ -162,7 +157,6 @@ contains
 
     if (.not. allocated(levels)) allocate (levels)
     levels%made = .false.
-    levels%given_made = .false.
   end subroutine forget_levels
 
   !> Resolution of a level.
@@ -234,28 +228,22 @@ contains
       levels%made(i) = .false.
     end do
     do i = level - per_doubling, level, per_doubling
-      if (.not. allocated(levels%level(i)%map)) allocate (levels%level(i)%map)
-      if (.not. levels%made(i)) call discretise(osc, resolution_of(i), levels%level(i)%map)
-      levels%made(i) = levels%level(i)%map%table%steps > 0
-      if (.not. levels%made(i)) levels%lacks = .true.
+      if (.not. levels%made(i)) call make_level(osc, resolution_of(i), i, levels)
     end do
   end subroutine need_level
 
-  !> Discretises a level for a batch of speeds, with coefficients that stay small and resolve the natural motion at all of them.
-  pure subroutine need_batch_level(osc, level, longest, options, levels, ready)
+  !> Discretises the steps of one index.
+  pure subroutine make_level(osc, resolution, i, levels)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: level
-    real(dp), intent(in) :: longest              !< duration of the mesh period at the lowest speed, s
-    type(accuracy_t), intent(in) :: options
+    type(resolution_t), intent(in) :: resolution
+    integer, intent(in) :: i
     type(levels_t), intent(inout) :: levels      !< lacks: memory is too small
-    logical, intent(out) :: ready                !< false: solve the speeds one by one
-    real(dp), parameter :: most = 4096
 
-    ready = level_steps(level) <= min(most, real(options%most_steps, dp)) .and. &
-            level_steps(level) >= 2*resolving_steps(osc, longest)
-    if (ready) call need_level(osc, level, levels)
-    ready = ready .and. .not. levels%lacks
-  end subroutine need_batch_level
+    if (.not. allocated(levels%level(i)%map)) allocate (levels%level(i)%map)
+    call discretise(osc, resolution, levels%level(i)%map)
+    levels%made(i) = levels%level(i)%map%steps > 0
+    levels%lacks = levels%lacks .or. .not. levels%made(i)
+  end subroutine make_level
 
   !> Discretises the specified number of steps, and half of it, unless they exist.
   pure subroutine need_given(osc, options, levels)
@@ -265,15 +253,12 @@ contains
     type(resolution_t) :: resolution
     integer :: i
 
-    if (levels%given_made) return
     do i = 1, 2
       resolution = given_resolution(options)
       resolution%times = resolution%times/i
-      if (.not. allocated(levels%given(i)%map)) allocate (levels%given(i)%map)
-      call discretise(osc, resolution, levels%given(i)%map)
-      levels%lacks = levels%lacks .or. levels%given(i)%map%steps == 0
+      if (.not. levels%made(merge(given, half_given, i == 1))) &
+        call make_level(osc, resolution, merge(given, half_given, i == 1), levels)
     end do
-    levels%given_made = .not. levels%lacks
   end subroutine need_given
 
   !> Resolution for a specified number of steps.
@@ -291,6 +276,16 @@ contains
     steps = options%steps
     if (steps == 0) steps = of_the_literature
   end function given_steps
+
+  !> Discretises graded steps, and half of them.
+  pure subroutine need_graded(osc, resolution, levels)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution
+    type(levels_t), intent(inout) :: levels      !< lacks: memory is too small
+
+    call make_level(osc, resolution, graded, levels)
+    call make_level(osc, resolution_t(resolution%base, 1, resolution%graded_for, by_load=resolution%by_load), half_graded, levels)
+  end subroutine need_graded
 
   !> Checks whether the error of a level is small enough; if not, selects the next level.
   pure subroutine next_level(osc, options, step_error, duration, levels, level, done)

@@ -271,9 +271,9 @@ contains
   end function per_period
 
   !> Tries Newton's method where the linear maps of the last 1, 2, ... mesh periods predict a periodic motion, unless one is known
-  !> there: nearby, where the motion nearly repeats while its transient decays; from time to time, anywhere. If one motion is enough,
-  !> one that nearly repeats counts as captured by the predicted one, if that is near; if not, from time to time each number of
-  !> periods is tried.
+  !> there: nearby, where the motion nearly repeats while its transient decays; from time to time, anywhere. If one motion is
+  !> enough, one that nearly repeats counts as captured by the predicted one, if that is near; else each number of periods is
+  !> tried from time to time.
   pure subroutine try_newton(map, options, scale, is_one_enough, known, trajectory, captured)
     type(period_map_t), intent(inout) :: map
     type(steady_options_t), intent(in) :: options
@@ -282,22 +282,16 @@ contains
     type(known_t), allocatable, intent(inout) :: known(:)
     type(trajectory_t), intent(inout) :: trajectory
     integer, intent(inout) :: captured           ! index of the motion predicted
-    real(dp), parameter :: promising = 2, nearby = 0.25_dp    ! static deflections
     type(steady_t) :: steady
-    real(dp) :: defect(2), step(2), difference(2)
+    real(dp) :: step(2), difference(2)
     integer :: periods, motion, which
-    logical :: solved, anywhere, repeats, is_known
+    logical :: anywhere, repeats, is_promising, is_known
 
     anywhere = trajectory%growth%periods >= trajectory%next_try
     if (.not. (anywhere .or. trajectory%growth%periods >= trajectory%next_shot)) return
     do periods = 1, min(size(trajectory%monodromy, 3), trajectory%growth%periods)
-      defect = trajectory%state(:, 0) - trajectory%state(:, periods)
-      repeats = all(abs(defect) < nearby*scale)
-      if (.not. (repeats .or. anywhere)) cycle
-      call newton_step(trajectory%monodromy(:, :, periods), defect, step, solved)
-      if (repeats) repeats = largest_multiplier(trajectory%monodromy(:, :, periods)) < 1
-      if (.not. solved .or. any(abs(step) > merge(nearby, promising, repeats .and. .not. anywhere)*scale)) cycle
-      if (.not. (repeats .or. anywhere)) cycle
+      call predict(trajectory, periods, scale, anywhere, step, repeats, is_promising)
+      if (.not. is_promising) cycle
       call find_nearest(known, trajectory%state(:, periods) + step, scale, motion, which, difference)
       is_known = maxval(abs(difference)) < 0.1_dp*min(1.0_dp, maxval(abs(step)/scale))
       if (.not. is_known) then
@@ -314,6 +308,28 @@ contains
     if (anywhere) trajectory%next_try = trajectory%growth%periods &
                                         + max(1, trajectory%growth%periods/merge(4, 2, is_one_enough))
   end subroutine try_newton
+
+  !> Predicts a periodic motion from the linear map of the last mesh periods.
+  pure subroutine predict(trajectory, periods, scale, anywhere, step, repeats, is_promising)
+    type(trajectory_t), intent(in) :: trajectory
+    integer, intent(in) :: periods               ! their number
+    real(dp), intent(in) :: scale(2)
+    logical, intent(in) :: anywhere              ! true: the motion need not nearly repeat
+    real(dp), intent(out) :: step(2)             ! from the state before these periods to that of the periodic motion, m
+    logical, intent(out) :: repeats              ! the motion nearly repeats, and its disturbances decay
+    logical, intent(out) :: is_promising         ! Newton's method may find a motion there
+    real(dp), parameter :: farthest = 2, nearby = 0.25_dp     ! static deflections
+    real(dp) :: defect(2)
+
+    step = 0
+    is_promising = .false.
+    defect = trajectory%state(:, 0) - trajectory%state(:, periods)
+    repeats = all(abs(defect) < nearby*scale)
+    if (repeats) repeats = largest_multiplier(trajectory%monodromy(:, :, periods)) < 1
+    if (.not. (repeats .or. anywhere)) return
+    call newton_step(trajectory%monodromy(:, :, periods), defect, step, is_promising)
+    if (any(abs(step) > merge(farthest, nearby, anywhere)*scale)) is_promising = .false.
+  end subroutine predict
 
   !> Tries Newton's method in full steps, and gives up as soon as these do not shrink: most tries fail.
   pure subroutine try_shooting(map, tolerance, periods, start, steady)
