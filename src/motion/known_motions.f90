@@ -62,7 +62,7 @@ contains
     scale = scale_of(map%osc, map%duration(1))
     state(:, 1) = steady%state
     do periods = 1, steady%periods
-      call run_period(map, state(:, periods), run)
+      call run_period(map, state(:, periods), run, peaks=.false.)
       each(:, :, periods) = in_scale(run%monodromy, scale)
       if (all(abs(run%state - steady%state) < same*scale)) exit
       if (periods < steady%periods) state(:, periods + 1) = run%state
@@ -70,7 +70,7 @@ contains
     periods = min(periods, steady%periods)
     known%steady = steady
     if (periods < steady%periods) then
-      call run_periods(map, steady%state, periods, run)
+      call run_periods(map, steady%state, periods, .true., run)
       call judge(map%osc, map%duration(1), steady%state, run, closure_of(map%osc, map%duration(1), steady%state, run), periods, &
                  known%steady)
     end if

@@ -87,19 +87,23 @@ contains
   end subroutine begin_monodromy
 
   !> Integrates the motion at the first speed of a map over one period.
-  pure subroutine run_period(map, start, period, trace)
+  pure subroutine run_period(map, start, period, trace, peaks)
     type(period_map_t), intent(inout) :: map         !< map with the duration of one speed
     real(dp), intent(in) :: start(2)                 !< x, y at the start, m
     type(period_t), intent(out) :: period
     type(trace_t), intent(inout), optional :: trace  !< trace to which the motion is added
+    logical, intent(in), optional :: peaks           !< false: compute no largest loads and no transmission error
     type(period_t) :: periods(batch_size)
+    logical :: with_peaks
 
     if (allocated(map%literature)) then
       map%work = map%work + map%steps
       call run_literature_period(map%osc, map%literature, map%duration(1), start, .false., period, trace)
       return
     end if
-    call follow(map, reshape(start, [2, 1]), [.true.], .true., periods, trace)
+    with_peaks = .true.
+    if (present(peaks)) with_peaks = peaks
+    call follow(map, reshape(start, [2, 1]), [.true.], with_peaks, periods, trace)
     period = periods(1)
   end subroutine run_period
 
@@ -111,11 +115,6 @@ contains
     logical, intent(in) :: peaks                     !< true: compute the largest loads
     type(period_t), intent(out) :: period(batch_size)
 
-    if (allocated(map%literature)) then
-      map%work = map%work + map%steps
-      call run_literature_period(map%osc, map%literature, map%duration(1), start(:, 1), .false., period(1))
-      return
-    end if
     call follow(map, start, active, peaks, period)
   end subroutine run_batch
 

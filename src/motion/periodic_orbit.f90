@@ -69,18 +69,19 @@ contains
   end subroutine invert
 
   !> Integrates several periods in a row as one.
-  pure subroutine run_periods(map, start, periods, run)
+  pure subroutine run_periods(map, start, periods, peaks, run)
     type(period_map_t), intent(inout) :: map
     real(dp), intent(in) :: start(2)             !< state, m
     integer, intent(in) :: periods               !< number of periods
+    logical, intent(in) :: peaks                 !< true: compute the largest loads and the transmission error
     type(period_t), intent(out) :: run           !< result of all periods: the last state, composed maps, sums and maxima
     type(period_t) :: next
     integer :: i
 
-    call run_period(map, start, run)
+    call run_period(map, start, run, peaks=peaks)
     do i = 2, periods
       if (run%failed) return
-      call run_period(map, run%state, next)
+      call run_period(map, run%state, next, peaks=peaks)
       run%state = next%state
       run%monodromy = matmul(next%monodromy, run%monodromy)
       run%peak = max(run%peak, next%peak)
@@ -108,21 +109,24 @@ contains
     type(period_t) :: run, trial_run
     real(dp) :: state(2), trial(2), step(2), closure, residual, trial_residual, before
     integer :: iteration, halving
-    logical :: solved
+    logical :: solved, peaks
 
     associate (osc => map%osc, duration => map%duration(1))
       state = start
       before = map%work
-      call run_periods(map, state, periods, run)
+      peaks = .false.
+      call run_periods(map, state, periods, peaks, run)
       residual = distance(osc, duration, run%state - state)
       do iteration = 1, most_iterations
         closure = closure_of(osc, duration, state, run)
         if (run%failed .or. map%work - before > most_work .or. is_closed(closure, tolerance)) exit
         call newton_step(run%monodromy, run%state - state, step, solved)
         if (.not. solved) exit
+        ! The largest loads are needed only in the run that confirms the motion, the one after a small step.
+        peaks = distance(osc, duration, step)**2 < tolerance
         do halving = 0, most_halvings
           trial = state + step/2**halving
-          call run_periods(map, trial, periods, trial_run)
+          call run_periods(map, trial, periods, peaks, trial_run)
           trial_residual = distance(osc, duration, trial_run%state - trial)
           if (trial_residual < residual .and. .not. trial_run%failed) exit
         end do
@@ -135,8 +139,10 @@ contains
         steady%status = status_chatter
       else
         closure = closure_of(osc, duration, state, run)
-        if (closure < acceptable .or. is_closed(closure, tolerance) .or. (.not. solved .and. residual < acceptable)) &
+        if (closure < acceptable .or. is_closed(closure, tolerance) .or. (.not. solved .and. residual < acceptable)) then
+          if (.not. peaks) call run_periods(map, state, periods, .true., run)
           call judge(osc, duration, state, run, closure, periods, steady)
+        end if
       end if
     end associate
   end subroutine shoot

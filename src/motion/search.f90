@@ -8,14 +8,14 @@
 !> through a multiplier below -1, near that for the motion of twice as many periods.
 module gearsweep_motion_search
   use gearsweep_base, only: dp, wants_stop
-  use gearsweep_motion_contact_set, only: period_t
+  use gearsweep_motion_contact_set, only: join, period_t
   use gearsweep_motion_gauss, only: batch_size
   use gearsweep_motion_known_motions, only: add_known, approach_t, find_nearest, known_t, scale_of, watch_approach
-  use gearsweep_motion_period, only: run_batch
+  use gearsweep_motion_period, only: run_batch, run_period
   use gearsweep_motion_period_map, only: period_map_t, set_durations
   use gearsweep_motion_periodic_orbit, only: closure_of, distance, is_bounded, judge, largest_multiplier, most_negative_direction, &
     most_work, near, newton_step, run_periods, shoot, solve_full_contact
-  use gearsweep_motion_steady_motion, only: by_marching, has_result, status_chaotic, status_chatter, status_transient, &
+  use gearsweep_motion_steady_motion, only: by_marching, has_result, seen_t, status_chaotic, status_chatter, status_transient, &
     status_unbounded, status_unstable, steady_options_t, steady_t
   implicit none
   private
@@ -63,13 +63,15 @@ module gearsweep_motion_search
     type(known_t), allocatable :: known(:)       !< periodic motions found, attracting or not
     integer :: in_full_contact = 0               !< index of the one in full contact; 0: none attracts
     type(end_t), allocatable :: ends(:)          !< (start)
+    !> Observations of the motion from a single start, and its contact, from the period `first_watched` on.
+    type(steady_t) :: watched
     logical :: stopped = .false.                 !< the caller ended the search
   end type search_t
 
   !> Logarithmic growth above which a bounded motion cannot be periodic: its disturbances have grown by more than exp(40) over its
   !> periods, of which there must be at least `enough`.
   real(dp), parameter :: sure_growth = 40
-  integer, parameter :: first_counted = 50, enough = 500
+  integer, parameter :: first_counted = 50, enough = 500, first_watched = 250
 
 contains
 
@@ -130,6 +132,7 @@ contains
     most_cycles = options%most_cycles
     if (.not. map%osc%damping_ratio > 0) most_cycles = min(most_cycles, 2*options%most_periods)
     search%ends = [(end_t(state=starts(:, l)), l=1, size(starts, 2))]
+    search%watched = steady_t()
     if (size(lane) > 1) then
       batch = map
       batch%work = 0
@@ -152,7 +155,8 @@ contains
       if (size(lane) > 1) then
         call run_batch(batch, state, active, .false., run)
       else
-        call run_batch(map, state, active, .false., run)
+        call run_period(map, state(:, 1), run(1), peaks=lane(1)%growth%periods >= first_watched)
+        if (lane(1)%growth%periods >= first_watched) call watch(run(1), map%osc%mesh%deviations%periods, search%watched)
       end if
       do l = 1, size(lane)
         if (.not. active(l)) cycle
@@ -164,6 +168,19 @@ contains
     end do
     if (allocated(batch)) map%work = map%work + batch%work
   end subroutine follow_starts
+
+  !> Adds the observations of one run of the map, over this many mesh periods.
+  pure subroutine watch(run, periods, watched)
+    type(period_t), intent(in) :: run
+    integer, intent(in) :: periods
+    type(steady_t), intent(inout) :: watched
+
+    watched%departs = watched%departs .or. run%departs
+    watched%partial = watched%partial .or. run%partial
+    watched%lost = watched%lost .or. run%lost
+    watched%coast = watched%coast .or. run%coast
+    watched%seen = seen_t(watched%seen%periods + periods, max(watched%seen%peak, run%peak), join(watched%seen%dte, run%dte))
+  end subroutine watch
 
   !> Assigns a start to a lane.
   pure subroutine enter(start, state, periods, trajectory)
@@ -297,8 +314,10 @@ contains
       if (.not. is_known) then
         call try_shooting(map, options%tolerance, periods, trajectory%state(:, periods) + step, steady)
         call add_known(map, steady, known, motion)
-        if (repeats) trajectory%next_shot = trajectory%growth%periods + 5 + trajectory%growth%periods/5
+      else if (is_one_enough) then
+        is_known = known(motion)%attracts
       end if
+      if (repeats .and. .not. is_known) trajectory%next_shot = trajectory%growth%periods + 5 + trajectory%growth%periods/5
       if (motion > 0 .and. repeats .and. is_one_enough) then
         call find_nearest(known(motion:motion), trajectory%state(:, 0), scale, which, which, difference)
         if (known(motion)%attracts .and. maxval(abs(difference)) < near) captured = motion
@@ -348,7 +367,7 @@ contains
     state = start
     last = huge(last)
     do iteration = 1, most_iterations
-      call run_periods(map, state, periods, run)
+      call run_periods(map, state, periods, .false., run)
       if (run%failed) return
       call newton_step(run%monodromy, run%state - state, step, solved)
       size = distance(map%osc, map%duration(1), step)
@@ -383,7 +402,7 @@ contains
         if (largest_multiplier(trajectory%monodromy(:, :, periods)) > 1) cycle
         call newton_step(trajectory%monodromy(:, :, periods), defect, step, solved)
         if (.not. solved .or. distance(osc, duration, step - defect) > small) cycle
-        call run_periods(map, state, periods, run)
+        call run_periods(map, state, periods, .true., run)
         call judge(osc, duration, state, run, closure_of(osc, duration, state, run), periods, steady)
         if (has_result(steady%status)) call add_known(map, steady, known, motion)
         return
@@ -420,7 +439,7 @@ contains
     integer :: i
 
     associate (osc => map%osc, duration => map%duration(1))
-      call run_periods(map, last%state, last%periods, run)
+      call run_periods(map, last%state, last%periods, .false., run)
       call most_negative_direction(osc, duration, run%monodromy, direction, doubles)
       if (.not. doubles) return
       do i = 1, size(away)

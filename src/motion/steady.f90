@@ -1,16 +1,16 @@
 !> Steady motion at one speed, or at all speeds of a batch, by Newton's method on the period map or by marching.
 module gearsweep_motion_steady
-  use gearsweep_base, only: dp, pi, wants_stop
-  use gearsweep_motion_contact_set, only: join, period_t
+  use gearsweep_base, only: dp, pi
+  use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_gauss, only: batch_size
   use gearsweep_motion_known_motions, only: add_known, known_t
   use gearsweep_motion_oscillator, only: oscillator_t
-  use gearsweep_motion_period, only: run_batch, run_full_contact, run_period
+  use gearsweep_motion_period, only: run_batch, run_full_contact
   use gearsweep_motion_period_map, only: period_map_t
-  use gearsweep_motion_periodic_orbit, only: closure_of, distance, has_converged, is_bounded, is_closed, judge, most_work, near, &
-    newton_step, shoot, solve_full_contact
+  use gearsweep_motion_periodic_orbit, only: closure_of, distance, has_converged, is_closed, judge, near, newton_step, shoot, &
+    solve_full_contact
   use gearsweep_motion_search, only: double, find_first, find_from, search_t
-  use gearsweep_motion_steady_motion, only: by_shooting, has_result, seen_t, status_aperiodic, status_chaotic, status_chatter, &
+  use gearsweep_motion_steady_motion, only: by_shooting, has_result, status_aperiodic, status_chaotic, status_chatter, &
     status_stopped, status_transient, status_unbounded, status_unstable, steady_options_t, steady_t
   implicit none
   private
@@ -60,7 +60,7 @@ contains
     if (motion > 0) then
       steady = search%known(motion)%steady
     else
-      call conclude(map, options, search, steady)
+      call conclude(map%osc%damping_ratio, search, steady)
     end if
   end subroutine find_steady
 
@@ -93,42 +93,25 @@ contains
     end do
   end function spiral
 
-  !> Finds why the first start leads to no steady motion, and observes the motion that it leads to.
-  pure subroutine conclude(map, options, search, steady)
-    type(period_map_t), intent(inout) :: map
-    type(steady_options_t), intent(in) :: options
+  !> Finds why the first start leads to no steady motion.
+  pure subroutine conclude(damping_ratio, search, steady)
+    real(dp), intent(in) :: damping_ratio
     type(search_t), intent(in) :: search
     type(steady_t), intent(inout) :: steady          !< in: a motion that repels, if one is known
-    integer, parameter :: watched = 500
-    type(period_t) :: run
-    real(dp) :: state(2)
-    integer :: i
 
-    associate (end => search%ends(1), osc => map%osc)
+    associate (end => search%ends(1))
       if (search%stopped) then
         steady%status = status_stopped
       else if (any(end%status == [status_chatter, status_unbounded])) then
         steady%status = end%status
       else if (end%status == status_chaotic) then
-        steady = steady_t(status=status_chaotic, multiplier=exp(end%growth))
+        steady = search%watched
+        steady%status = status_chaotic
+        steady%multiplier = exp(end%growth)
       else if (steady%status /= status_unstable) then
-        steady%status = merge(status_transient, status_aperiodic, osc%damping_ratio > 0)
+        steady%status = merge(status_transient, status_aperiodic, damping_ratio > 0)
       end if
-      if (.not. any(end%status == [status_chaotic, status_transient]) .or. .not. osc%damping_ratio > 0) return
-      state = end%state
-      do i = 1, min(watched, int(most_work/map%steps))
-        if (wants_stop(options%stop)) steady%status = status_stopped
-        if (steady%status == status_stopped) return
-        call run_period(map, state, run)
-        if (run%failed .or. .not. is_bounded(osc, map%duration(1), run%state)) return
-        state = run%state
-        steady%departs = steady%departs .or. run%departs
-        steady%partial = steady%partial .or. run%partial
-        steady%lost = steady%lost .or. run%lost
-        steady%coast = steady%coast .or. run%coast
-        steady%seen = seen_t(steady%seen%periods + osc%mesh%deviations%periods, max(steady%seen%peak, run%peak), &
-                             join(steady%seen%dte, run%dte))
-      end do
+      if (any(end%status == [status_chaotic, status_transient])) steady%seen = search%watched%seen
     end associate
   end subroutine conclude
 
