@@ -181,15 +181,15 @@ contains
     end if
   end subroutine watch_approach
 
-  !> Continues an approach by one mesh period. A motion is captured if it equals the known one, or if over enough returns its
-  !> Lyapunov function has fallen by at least half of the fall in the linear map.
+  !> Continues an approach by one mesh period. A motion is captured if it equals the known one, or if its Lyapunov function has
+  !> fallen to a third at least over the returns in which the linear map's falls to a tenth.
   pure subroutine go_on(known, state, scale, approach, captured)
     type(known_t), intent(in) :: known(:)
     real(dp), intent(in) :: state(2)             !< present state, m
     real(dp), intent(in) :: scale(2)             !< result of `scale_of`
     type(approach_t), intent(inout) :: approach  !< out: motion 0 if it has not come nearer
     logical, intent(out) :: captured
-    real(dp), parameter :: clear = 0.72_dp, farthest = 1.0_dp
+    real(dp), parameter :: clear = 0.1_dp, farthest = 1.0_dp
     integer, parameter :: most_returns = 200
     real(dp) :: d(2), now, expected
 
@@ -205,7 +205,7 @@ contains
       if (expected > clear*approach%first .and. approach%periods < most_returns*size(motion%state, 2) .and. &
           maxval(abs(d)) < farthest) return
       now = dot_product(d, matmul(motion%form(:, :, i), d))
-      captured = maxval(abs(d)) < farthest .and. now <= (approach%first + expected)/2
+      captured = maxval(abs(d)) < farthest .and. now <= sqrt(approach%first*expected)
     end associate
     if (.not. captured) approach%motion = 0
   end subroutine go_on

@@ -58,7 +58,8 @@ contains
     type(levels_t), intent(inout) :: levels      !< levels of this oscillator; lacks: memory is too small for the steps
     type(point_t), intent(inout) :: points(:)    !< (speed)
     logical, intent(out) :: solved(:)            !< (speed)
-    type(steady_t), intent(in), optional :: motion   !< motion found before, in other steps
+    !> Motion found before, in other steps; by marching, the state from which to march.
+    type(steady_t), intent(in), optional :: motion
     integer, intent(in), optional :: least       !< lowest level of equal steps
     type(steady_t) :: full(size(duration)), half(size(duration))
     type(oscillator_t) :: split
@@ -97,8 +98,8 @@ contains
       end if
       if (levels%lacks) return
       call solve_pair(levels%level(fine)%map, levels%level(coarse)%map, duration, options, is_graded, full, half, solved, motion)
-      if (.not. any(solved)) return
       points%steady = full
+      if (.not. any(solved)) return
       points%steps = levels%level(fine)%map%steps
       points%resolution = resolution
       call compare(osc, duration, half, points)
@@ -136,7 +137,10 @@ contains
       call find_batch(fine, options%steady%tolerance, full, half)
       solved = has_converged(half) .and. has_converged(full)
     else
-      if (present(motion)) then
+      if (options%steady%method /= by_shooting) then
+        call find_steady(fine, options%steady, full(1), motion%state)
+        solved = has_result(full(1)%status)
+      else if (present(motion)) then
         call shoot(fine, options%steady%tolerance, motion%periods, motion%state, full(1))
         solved = has_result(full(1)%status) .and. distance(fine%osc, duration(1), full(1)%state - motion%state) < near
       else
@@ -213,7 +217,13 @@ contains
     end if
     point%steady%status = status_unresolved
     if (level_steps(last_level(osc, options)) < 2*resolving_steps(osc, duration)) return
-    if (.not. present(start) .and. options%steady%method == by_shooting) then
+    if (options%steady%method /= by_shooting) then
+      motion%state = [osc%mean_deflection, 0.0_dp]
+      if (present(start)) motion%state = start
+      call refine(osc, [duration], options, resolution_t(), levels, points, solved, motion)
+      point = points(1)
+      return
+    else if (.not. present(start)) then
       call refine(osc, [duration], options, resolution_t(), levels, points, solved)
       point = points(1)
       if (solved(1) .or. levels%lacks) return

@@ -109,13 +109,13 @@ contains
     type(period_t) :: run, trial_run
     real(dp) :: state(2), trial(2), step(2), closure, residual, trial_residual, before
     integer :: iteration, halving
-    logical :: solved, peaks
+    logical :: solved, peaks, has_peaks
 
     associate (osc => map%osc, duration => map%duration(1))
       state = start
       before = map%work
-      peaks = .false.
-      call run_periods(map, state, periods, peaks, run)
+      has_peaks = .false.
+      call run_periods(map, state, periods, has_peaks, run)
       residual = distance(osc, duration, run%state - state)
       do iteration = 1, most_iterations
         closure = closure_of(osc, duration, state, run)
@@ -133,6 +133,7 @@ contains
         if (halving > most_halvings) exit
         state = trial
         run = trial_run
+        has_peaks = peaks
         residual = trial_residual
       end do
       if (run%failed) then
@@ -140,7 +141,7 @@ contains
       else
         closure = closure_of(osc, duration, state, run)
         if (closure < acceptable .or. is_closed(closure, tolerance) .or. (.not. solved .and. residual < acceptable)) then
-          if (.not. peaks) call run_periods(map, state, periods, .true., run)
+          if (.not. has_peaks) call run_periods(map, state, periods, .true., run)
           call judge(osc, duration, state, run, closure, periods, steady)
         end if
       end if

@@ -125,8 +125,8 @@ contains
     type(period_map_t), allocatable :: batch
     type(trajectory_t) :: lane(min(size(starts, 2), batch_size))
     type(period_t) :: run(batch_size)
-    real(dp) :: state(2, size(lane))
-    logical :: active(size(lane))
+    real(dp) :: state(2, batch_size)
+    logical :: active(batch_size)
     integer :: next, l, most_cycles
 
     most_cycles = options%most_cycles
@@ -139,6 +139,8 @@ contains
       call set_durations(batch, [(map%duration(1), l=1, batch_size)])
     end if
     next = 1
+    active = .false.
+    state = spread(starts(:, 1), 2, batch_size)
     do
       do l = 1, size(lane)
         if (lane(l)%start == 0 .and. next <= size(starts, 2)) then
@@ -147,7 +149,7 @@ contains
           next = next + 1
         end if
         active(l) = lane(l)%start > 0
-        state(:, l) = merge(lane(l)%state(:, 0), starts(:, 1), active(l))
+        if (active(l)) state(:, l) = lane(l)%state(:, 0)
       end do
       if (.not. any(active)) exit
       search%stopped = wants_stop(options%stop)
@@ -156,7 +158,8 @@ contains
         call run_batch(batch, state, active, .false., run)
       else
         call run_period(map, state(:, 1), run(1), peaks=lane(1)%growth%periods >= first_watched)
-        if (lane(1)%growth%periods >= first_watched) call watch(run(1), map%osc%mesh%deviations%periods, search%watched)
+        if (lane(1)%growth%periods >= first_watched .and. .not. run(1)%failed) &
+          call watch(run(1), map%osc%mesh%deviations%periods, search%watched)
       end if
       do l = 1, size(lane)
         if (.not. active(l)) cycle
