@@ -223,7 +223,8 @@ contains
       call refine(osc, [duration], options, resolution_t(), levels, points, solved, motion)
       point = points(1)
       return
-    else if (.not. present(start)) then
+    end if
+    if (.not. present(start)) then
       call refine(osc, [duration], options, resolution_t(), levels, points, solved)
       point = points(1)
       if (solved(1) .or. levels%lacks) return
