@@ -9,15 +9,17 @@ module gearsweep_motion_attractors
   use, intrinsic :: iso_c_binding, only: c_ptr
   use gearsweep_base, only: claim_memory, code_memory, dp, error_t, fail, has_memory, leader_traps, release_claim, share_traps, &
     str, team, wants_stop
+  use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, need_level, per_doubling, point_t, search_level
-  use gearsweep_motion_known_motions, only: add_known, known_t
+  use gearsweep_motion_gauss, only: batch_size
+  use gearsweep_motion_known_motions, only: known_t
   use gearsweep_motion_operating_point, only: refine, solve_point
   use gearsweep_motion_oscillator, only: mesh_period, oscillator_t
+  use gearsweep_motion_period, only: run_batch
   use gearsweep_motion_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_motion_periodic_orbit, only: distance, shoot
+  use gearsweep_motion_periodic_orbit, only: distance
   use gearsweep_motion_resolution, only: resolution_t, scheme_collocation
-  use gearsweep_motion_search, only: few_starts, find_first, follow_starts, search_t, start_decay
-  use gearsweep_motion_steady, only: starts_around
+  use gearsweep_motion_search, only: few_starts, find_first, follow_starts, search_t, start_alike, start_decay
   use gearsweep_motion_steady_motion, only: by_shooting, has_result, status_ok, status_stopped, status_unresolved, &
     steady_options_t, steady_t
   implicit none
@@ -356,66 +358,130 @@ contains
     if (any(counts)) largest = maxval(found%motion%point%dynamic_factor, mask=counts)
   end function largest_reached
 
-  !> Replaces the motion at each solved speed by the one of largest dynamic factor that a few starts lead to, and counts the
-  !> motions found. Where the natural motion decays between the breaks of the stiffness there is only one.
+  !> Replaces the motion at each solved speed by the one of largest dynamic factor, and counts the motions found. Where the
+  !> natural motion decays between the breaks of the stiffness there is only one.
   subroutine take_largest(osc, rpm, options, levels, points)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
+    real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, ascending, 1/min
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels      !< levels of this oscillator
     type(point_t), intent(inout) :: points(:)    !< in: found by themselves; out: the largest; (speed)
-    integer :: i
+    integer, allocatable :: here(:), level(:)
+    integer :: first, i, last
 
-    do i = 1, size(points)
-      points(i)%motions = merge(1, 0, has_result(points(i)%steady%status))
-      if (points(i)%motions == 0 .or. points(i)%resolution%graded_for > 0 .or. .not. osc%damping_ratio > 0) cycle
-      call take_largest_at(osc, mesh_period(osc%mesh%teeth(1), rpm(i)), options, levels, points(i))
+    points%motions = merge(1, 0, has_result(points%steady%status))
+    here = pack([(i, i=1, size(rpm))], points%motions > 0 .and. points%resolution%graded_for == 0)
+    if (.not. osc%damping_ratio > 0 .or. size(here) == 0) return
+    level = [(search_level(osc, mesh_period(osc%mesh%teeth(1), rpm(here(i))), options), i=1, size(here))]
+    first = 1
+    do while (first <= size(here))
       if (levels%lacks .or. wants_stop(options%steady%stop)) return
+      last = first
+      do while (last < min(size(here), first + batch_size - 1))
+        if (level(last + 1) /= level(first)) exit
+        last = last + 1
+      end do
+      call compare_ends(osc, rpm(here(first:last)), level(first), options, levels, points, here(first:last))
+      first = last + 1
     end do
   end subroutine take_largest
 
-  subroutine take_largest_at(osc, duration, options, levels, point)
+  !> Accuracy options that stop early from a start that leads to no motion.
+  pure type(accuracy_t) function in_brief(options)
+    type(accuracy_t), intent(in) :: options
+
+    in_brief = options
+    in_brief%steady%most_cycles = min(options%steady%most_cycles, 20)
+  end function in_brief
+
+  !> Searches the motions of a few speeds on one refinement level.
+  subroutine compare_ends(osc, rpm, level, options, levels, points, at)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: duration
+    real(dp), intent(in) :: rpm(:)
+    integer, intent(in) :: level
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels
-    type(point_t), intent(inout) :: point
-    integer, parameter :: beyond_decay = 20          ! periods of the map, beside those of the decay
-    real(dp), parameter :: most_decays = 1000
-    type(steady_options_t) :: limits
-    type(accuracy_t) :: brief
-    type(search_t) :: search
-    type(steady_t) :: own
-    type(attractor_t) :: motion
-    integer :: level, which, k
+    type(point_t), intent(inout) :: points(:)
+    integer, intent(in) :: at(:)                 ! indices of the points
+    type(point_t) :: new
+    real(dp) :: duration(size(rpm)), end(2, size(rpm), size(few_starts, 2)), known(2, size(few_starts, 2) + 1)
+    logical :: bounded(size(rpm), size(few_starts, 2))
+    integer :: i, n, s
 
-    level = search_level(osc, duration, options)
+    duration = mesh_period(osc%mesh%teeth(1), rpm)
     call need_level(osc, level, levels)
     if (levels%lacks) return
-    limits = options%steady
-    limits%tolerance = search_tolerance
-    limits%most_cycles = beyond_decay + ceiling(2*min(start_decay/(osc%damping_ratio*osc%natural_frequency*duration), most_decays) &
-                                     /osc%mesh%deviations%periods)
-    allocate (search%known(0))
-    associate (map => levels%level(level - per_doubling)%map)
-      call set_durations(map, [duration], options%steady%stop)
-      call shoot(map, limits%tolerance, point%steady%periods, point%steady%state, own)
-      call add_known(map, own, search%known, which)
-      call follow_starts(map, limits, starts_around(map, few_starts), .false., search)
-    end associate
-    ! A start that leads to no motion is soon given up.
-    brief = options
-    brief%steady%most_cycles = min(options%steady%most_cycles, 20)
-    do k = 1, size(search%known)
-      if (k == which .or. .not. any(search%ends%motion == k)) cycle
-      motion%known = search%known(k)
-      call solve_known(osc, duration, brief, levels, motion)
-      if (levels%lacks) return
-      if (.not. has_result(motion%point%steady%status)) cycle
-      if (is_of(osc, duration, point, search%known(k))) cycle
-      motion%point%motions = point%motions + 1
-      point%motions = motion%point%motions
-      if (is_larger(motion%point, point)) point = motion%point
+    call run_starts(osc, duration, level - per_doubling, levels, end, bounded)
+    do i = 1, size(rpm)
+      n = 1
+      known(:, 1) = points(at(i))%steady%state
+      do s = 1, size(few_starts, 2)
+        if (.not. bounded(i, s)) cycle
+        if (is_known(end(:, i, s))) cycle
+        call solve_point(osc, duration(i), in_brief(options), levels, new, end(:, i, s))
+        if (levels%lacks) return
+        if (.not. has_result(new%steady%status)) cycle
+        if (is_known(new%steady%state)) cycle
+        n = n + 1
+        known(:, n) = new%steady%state
+        associate (point => points(at(i)))
+          ! Only the first state of a motion that repeats after several periods is known.
+          if (new%steady%periods == point%steady%periods .and. new%steady%periods > 1 .and. &
+              abs(new%dynamic_factor - point%dynamic_factor) <= new%estimate + point%estimate) cycle
+          new%motions = point%motions + 1
+          point%motions = new%motions
+          if (new%dynamic_factor > point%dynamic_factor) point = new
+        end associate
+      end do
     end do
-  end subroutine take_largest_at
+
+  contains
+
+    pure logical function is_known(state)
+      real(dp), intent(in) :: state(2)
+      integer :: k
+
+      is_known = any([(distance(osc, duration(i), state - known(:, k)) < start_alike, k=1, n)])
+    end function is_known
+  end subroutine compare_ends
+
+  !> Integrates each start over the number of turns in which the natural motion decays to a small part.
+  subroutine run_starts(osc, duration, level, levels, end, bounded)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration(:)          ! duration of the mesh period, s; (speed)
+    integer, intent(in) :: level
+    type(levels_t), intent(inout) :: levels
+    real(dp), intent(out) :: end(:, :, :)        ! m; (2, speed, start)
+    logical, intent(out) :: bounded(:, :)
+    real(dp), parameter :: most_periods = 1000
+    type(period_t) :: run(batch_size)
+    real(dp) :: state(2, batch_size), periods
+    integer :: i, k, l, n, s, turn, turns
+
+    n = size(duration)
+    periods = start_decay/(osc%damping_ratio*osc%natural_frequency*minval(duration))
+    turns = ceiling(min(periods, most_periods)/osc%mesh%deviations%periods)
+    associate (map => levels%level(level)%map)
+      do k = 0, size(bounded) - 1, batch_size
+        call set_durations(map, [(duration(1 + modulo(min(k + l, size(bounded) - 1), n)), l=0, batch_size - 1)])
+        do l = 1, batch_size
+          s = 1 + min(k + l - 1, size(bounded) - 1)/n
+          state(:, l) = [osc%mean_deflection + osc%static_deflection*few_starts(1, s), &
+                         osc%static_deflection*osc%natural_frequency*map%duration(l)*few_starts(2, s)]
+        end do
+        do turn = 1, turns
+          call run_batch(map, state, [(.true., l=1, batch_size)], .false., run)
+          do l = 1, batch_size
+            state(:, l) = run(l)%state
+          end do
+        end do
+        do l = 1, min(batch_size, size(bounded) - k)
+          i = 1 + modulo(k + l - 1, n)
+          s = 1 + (k + l - 1)/n
+          end(:, i, s) = state(:, l)
+          bounded(i, s) = .not. run(l)%failed .and. distance(osc, duration(i), state(:, l)) < 1e4_dp
+        end do
+      end do
+    end associate
+  end subroutine run_starts
 end module gearsweep_motion_attractors

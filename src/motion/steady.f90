@@ -14,7 +14,7 @@ module gearsweep_motion_steady
     status_stopped, status_transient, status_unbounded, status_unstable, steady_options_t, steady_t
   implicit none
   private
-  public :: find_steady, find_batch, find_beside, find_converged, is_one_branch, starts_around
+  public :: find_steady, find_batch, find_beside, find_converged, is_one_branch
 
 contains
 
@@ -53,7 +53,7 @@ contains
           return
         end if
         first = search%ends(1)%state
-        if (motion == 0) call find_from(map, options, few, starts_around(map, spiral()), search, motion)
+        if (motion == 0) call find_from(map, options, few, starts_around_rest(map), search, motion)
       end if
     end if
     if (motion == 0) call find_from(map, options, options%most_cycles, reshape(first, [2, 1]), search, motion)
@@ -64,34 +64,23 @@ contains
     end if
   end subroutine find_steady
 
-  !> Starts around rest, m; (2, start).
-  pure function starts_around(map, places) result(starts)
+  !> Starts around rest, m: on a spiral with the golden angle between them, so that they never line up; the distances repeat after
+  !> eight. (2, start)
+  pure function starts_around_rest(map) result(state)
     type(period_map_t), intent(in) :: map            !< map with the duration of one speed
-    !> Displacement from the mean deflection, and velocity over the natural frequency, in static deflections; (2, start)
-    real(dp), intent(in) :: places(:, :)
-    real(dp) :: starts(2, size(places, 2))
+    integer, parameter :: starts = 24
+    real(dp), parameter :: widest = 6, golden = pi*(3 - sqrt(5.0_dp))      ! static deflections, rad
+    real(dp) :: state(2, starts), radius
     integer :: i
 
     associate (osc => map%osc)
-      do i = 1, size(places, 2)
-        starts(:, i) = [osc%mean_deflection, 0.0_dp] + &
-                       osc%static_deflection*places(:, i)*[1.0_dp, osc%natural_frequency*map%duration(1)]
+      do i = 1, starts
+        radius = widest*(modulo(i - 1, batch_size) + 0.5_dp)/batch_size*osc%static_deflection
+        state(:, i) = [osc%mean_deflection, 0.0_dp] &
+                      + radius*[cos(golden*i), osc%natural_frequency*map%duration(1)*sin(golden*i)]
       end do
     end associate
-  end function starts_around
-
-  !> Places for `starts_around` on a spiral with the golden angle between them, so that they never line up; the distances repeat
-  !> after eight.
-  pure function spiral() result(places)
-    integer, parameter :: starts = 24
-    real(dp), parameter :: widest = 6, golden = pi*(3 - sqrt(5.0_dp))      ! static deflections, rad
-    real(dp) :: places(2, starts)
-    integer :: i
-
-    do i = 1, starts
-      places(:, i) = widest*(modulo(i - 1, batch_size) + 0.5_dp)/batch_size*[cos(golden*i), sin(golden*i)]
-    end do
-  end function spiral
+  end function starts_around_rest
 
   !> Finds why the first start leads to no steady motion.
   pure subroutine conclude(damping_ratio, search, steady)
