@@ -94,9 +94,15 @@ def test_the_search_finds_it_without_a_network(words, place, page):
     page.locator('.md-search__input').click()
     page.locator('.md-search__input').type(words)
     page.locator('.md-search-result__link').first.wait_for()
-    found = page.locator('.md-search-result__item').all()[:LOOKED_AT]
-    places = [re.sub(r'\?h=[^#]*', '', link.get_attribute('href').rpartition('/')[2])
-              for item in found for link in item.locator('.md-search-result__link').all()]
+    read = (f'(items) => items.slice(0, {LOOKED_AT}).flatMap((one) => '
+            '[...one.querySelectorAll(".md-search-result__link")].map((link) => link.getAttribute("href")))')
+    places = []
+    for _ in range(40):  # the list changes with each word until the last one is in
+        page.wait_for_timeout(250)
+        hrefs = page.locator('.md-search-result__item').evaluate_all(read)
+        places = [re.sub(r'\?h=[^#]*', '', href.rpartition('/')[2]) for href in hrefs]
+        if place in places:
+            break
     assert place in places, (words, places)
 
 
