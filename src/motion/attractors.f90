@@ -12,7 +12,7 @@ module gearsweep_motion_attractors
   use gearsweep_motion_contact_set, only: period_t
   use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, need_level, per_doubling, point_t, search_level
   use gearsweep_motion_gauss, only: batch_size
-  use gearsweep_motion_known_motions, only: known_t
+  use gearsweep_motion_known_motions, only: find_nearest_state, known_t, scale_of
   use gearsweep_motion_operating_point, only: refine, solve_point
   use gearsweep_motion_oscillator, only: mesh_period, oscillator_t
   use gearsweep_motion_period, only: run_batch
@@ -77,7 +77,7 @@ contains
     type(known_t), allocatable, intent(out) :: known(:)  !< including those that repel
     integer, allocatable, intent(out) :: to(:)   !< index of the motion; 0: none; (start)
     integer, intent(out) :: status               !< ok; unresolved: too many steps; stopped
-    ! Step angle of the natural motion (rad); its errors are about 1e-7.
+    ! Angle of the natural motion in a step, rad. The errors of such steps are about 1e-7.
     real(dp), parameter :: angle = 0.4_dp
     integer, parameter :: fewest_steps = 16, most_steps = 2**16
     type(period_map_t) :: map
@@ -271,6 +271,7 @@ contains
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels
     type(attractor_t), intent(inout) :: motion
+    type(accuracy_t) :: by_newton
     type(point_t) :: points(1)
     logical :: solved(1)
 
@@ -283,7 +284,9 @@ contains
     if (motion%point%steady%status == status_stopped .or. levels%lacks) return
     if (is_of(osc, duration, motion%point, motion%known)) return
     if (options%scheme /= scheme_collocation .or. options%steps > 0) return
-    call refine(osc, [duration], options, resolution_t(), levels, points, solved, motion%known%steady)
+    by_newton = options
+    by_newton%steady%method = by_shooting
+    call refine(osc, [duration], by_newton, resolution_t(), levels, points, solved, motion%known%steady)
     motion%point = points(1)
   end subroutine solve_known
 
@@ -294,14 +297,13 @@ contains
     type(point_t), intent(in) :: point
     type(known_t), intent(in) :: known
     real(dp), parameter :: close = 0.01_dp       ! static deflections
+    real(dp) :: difference(2)
     integer :: i
 
     is_of = has_result(point%steady%status) .and. point%steady%periods == size(known%state, 2)
     if (.not. is_of) return
-    do i = 1, size(known%state, 2)
-      is_of = distance(osc, duration, point%steady%state - known%state(:, i)) < close
-      if (is_of) return
-    end do
+    call find_nearest_state(known, point%steady%state, scale_of(osc, duration), i, difference)
+    is_of = maxval(abs(difference)) < close
   end function is_of
 
   !> Searches at all speeds and with all reliefs if it is wanted, else sets the counts to NaN.

@@ -251,14 +251,11 @@ contains
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels      !< lacks: memory is too small
     type(resolution_t) :: resolution
-    integer :: i
 
-    do i = 1, 2
-      resolution = given_resolution(options)
-      resolution%times = resolution%times/i
-      if (.not. levels%made(merge(given, half_given, i == 1))) &
-        call make_level(osc, resolution, merge(given, half_given, i == 1), levels)
-    end do
+    resolution = given_resolution(options)
+    if (.not. levels%made(given)) call make_level(osc, resolution, given, levels)
+    resolution%times = resolution%times/2
+    if (.not. levels%made(half_given)) call make_level(osc, resolution, half_given, levels)
   end subroutine need_given
 
   !> Resolution for a specified number of steps.
@@ -283,8 +280,12 @@ contains
     type(resolution_t), intent(in) :: resolution
     type(levels_t), intent(inout) :: levels      !< lacks: memory is too small
 
+    type(resolution_t) :: half
+
     call make_level(osc, resolution, graded, levels)
-    call make_level(osc, resolution_t(resolution%base, 1, resolution%graded_for, by_load=resolution%by_load), half_graded, levels)
+    half = resolution
+    half%times = resolution%times/2
+    call make_level(osc, half, half_graded, levels)
   end subroutine need_graded
 
   !> Checks whether the error of a level is small enough; if not, selects the next level.

@@ -12,7 +12,7 @@ module gearsweep_motion_known_motions
   use gearsweep_motion_steady_motion, only: has_result, status_unstable, steady_t
   implicit none
   private
-  public :: known_t, approach_t, scale_of, add_known, find_nearest, watch_approach
+  public :: known_t, approach_t, scale_of, add_known, find_nearest, find_nearest_state, watch_approach
 
   type :: known_t
     type(steady_t) :: steady                     !< steady motion, from the first of its states
@@ -35,7 +35,7 @@ module gearsweep_motion_known_motions
   !> Distance below which states count as the same, in static deflections.
   real(dp), parameter :: same = 1e-5_dp
 
-  !> Largest number of known motions up to which repelling ones are added, as chaos has infinitely many.
+  !> Number of known motions from which on repelling ones are no longer added: a chaotic motion passes infinitely many of them.
   integer, parameter :: most_known = 100
 
 contains
@@ -116,14 +116,13 @@ contains
   pure logical function are_same(a, b, scale)
     type(known_t), intent(in) :: a, b
     real(dp), intent(in) :: scale(2)             !< result of `scale_of`
+    real(dp) :: difference(2)
     integer :: i
 
-    are_same = .false.
-    if (size(a%state, 2) /= size(b%state, 2)) return
-    do i = 1, size(a%state, 2)
-      are_same = all(abs(a%state(:, i) - b%state(:, 1)) < same*scale)
-      if (are_same) return
-    end do
+    are_same = size(a%state, 2) == size(b%state, 2)
+    if (.not. are_same) return
+    call find_nearest_state(a, b%state(:, 1), scale, i, difference)
+    are_same = maxval(abs(difference)) < same
   end function are_same
 
   !> Finds the known motion, attracting or not, that is nearest to a state, and the index of its nearest state; 0 if none is
@@ -141,15 +140,33 @@ contains
     which = 0
     difference = huge(1.0_dp)
     do k = 1, size(known)
-      do i = 1, size(known(k)%state, 2)
-        d = (state - known(k)%state(:, i))/scale
-        if (maxval(abs(d)) >= maxval(abs(difference))) cycle
-        motion = k
-        which = i
-        difference = d
-      end do
+      call find_nearest_state(known(k), state, scale, i, d)
+      if (maxval(abs(d)) >= maxval(abs(difference))) cycle
+      motion = k
+      which = i
+      difference = d
     end do
   end subroutine find_nearest
+
+  !> Finds the state of a known motion that is nearest to a state.
+  pure subroutine find_nearest_state(known, state, scale, which, difference)
+    type(known_t), intent(in) :: known
+    real(dp), intent(in) :: state(2)             !< m
+    real(dp), intent(in) :: scale(2)             !< result of `scale_of`
+    integer, intent(out) :: which                !< index of the nearest state
+    real(dp), intent(out) :: difference(2)       !< state minus that state, in static deflections
+    real(dp) :: d(2)
+    integer :: i
+
+    which = 1
+    difference = (state - known%state(:, 1))/scale
+    do i = 2, size(known%state, 2)
+      d = (state - known%state(:, i))/scale
+      if (maxval(abs(d)) >= maxval(abs(difference))) cycle
+      which = i
+      difference = d
+    end do
+  end subroutine find_nearest_state
 
   !> Observes a motion after one more mesh period: whether a known motion that attracts has captured it.
   pure subroutine watch_approach(known, state, scale, approach, motion)
@@ -210,7 +227,7 @@ contains
     if (.not. captured) approach%motion = 0
   end subroutine go_on
 
-  !> Adds a motion found by Newton's method to the known ones, unless it is one of them.
+  !> Adds a motion to the known ones unless it is among them.
   pure subroutine add_known(map, steady, known, which)
     type(period_map_t), intent(inout) :: map     !< map with the duration of one speed
     type(steady_t), intent(in) :: steady

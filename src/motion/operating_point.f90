@@ -14,7 +14,7 @@ module gearsweep_motion_operating_point
   use gearsweep_motion_oscillator, only: oscillator_t, resolving_steps, split_by_load
   use gearsweep_motion_period_map, only: period_map_t, set_durations
   use gearsweep_motion_periodic_orbit, only: distance, has_converged, near, shoot, solve_full_contact, steady_t
-  use gearsweep_motion_steady, only: find_batch, find_beside, find_converged, find_steady, is_one_branch
+  use gearsweep_motion_steady, only: find_batch, find_converged, find_steady, is_one_branch
   use gearsweep_motion_steady_motion, only: by_shooting, has_result, status_aperiodic, status_stopped, status_transient, &
     status_unresolved, steady_options_t
   implicit none
@@ -58,7 +58,7 @@ contains
     type(levels_t), intent(inout) :: levels      !< levels of this oscillator; lacks: memory is too small for the steps
     type(point_t), intent(inout) :: points(:)    !< (speed)
     logical, intent(out) :: solved(:)            !< (speed)
-    !> Motion found before, in other steps; by marching, the state from which to march.
+    !> Motion found with another number of steps, from which Newton's method starts. With marching, its state begins the transient.
     type(steady_t), intent(in), optional :: motion
     integer, intent(in), optional :: least       !< lowest level of equal steps
     type(steady_t) :: full(size(duration)), half(size(duration))
@@ -166,7 +166,7 @@ contains
     if (.not. motion%departs) call solve_full_contact(coarse, linear, half)
     if (has_converged(half)) return
     call shoot(coarse, options%steady%tolerance, motion%periods, motion%state, half)
-    ! Where changes of contact are not located the map has jumps, so that Newton's method may not converge.
+    ! The methods of the literature do not locate changes of contact: their period map has jumps, and Newton's method may fail.
     if (options%scheme == scheme_collocation .or. has_result(half%status)) return
     alike = options%steady
     alike%method = by_shooting
@@ -230,6 +230,7 @@ contains
       if (solved(1) .or. levels%lacks) return
     end if
     limits = options%steady
+    limits%tolerance = 1e-6_dp
     level = search_level(osc, duration, options)
     least = 0
     do trial = 1, 2
@@ -237,7 +238,6 @@ contains
       if (levels%lacks) return
       associate (map => levels%level(level)%map)
         call set_durations(map, [duration], options%steady%stop)
-        limits%tolerance = min(1e-6_dp, options%steady%tolerance)
         call find_steady(map, limits, motion, start)
         point%steady = motion
         point%steps = map%steps
@@ -251,8 +251,9 @@ contains
       end if
       ! At grazing separation the period map has a jump as large as the error of a step, and a periodic motion may not exist; in
       ! finer steps the jump shrinks to rounding.
-      level = min(last_level(osc, options), max(level, first_level(osc, duration, options, levels)) + per_doubling)
-      least = level
+      least = min(last_level(osc, options), max(level, first_level(osc, duration, options, levels)) + per_doubling)
+      if (least == level) exit
+      level = least
     end do
     point%steady = steady_t(status=merge(status_transient, status_aperiodic, osc%damping_ratio > 0))
   end subroutine solve_by_levels

@@ -1,16 +1,17 @@
 !> Search for the periodic motions that starts lead to.
 !>
-!> The motions from the starts are followed in parallel lanes, each until a known motion has captured it or until it is chaotic.
-!> Where the linear maps of its last mesh periods predict a periodic motion, Newton's method finds that motion, which is known
-!> from then on. By marching, a motion must repeat by itself.
+!> The motions from the starts are computed side by side, each until a known motion has captured it or until it is chaotic. Where
+!> the linear maps of its last mesh periods predict a periodic motion, Newton's method finds that motion and adds it to the known
+!> ones. With marching, Newton's method is not used: a motion is found when it repeats.
 !>
-!> Before that, Newton's method is tried from the motion that full contact would have and, where it ends on a motion that repels
-!> through a multiplier below -1, near that for the motion of twice as many periods.
+!> The first start of Newton's method is the motion that full contact would have. If it finds a motion that repels through a
+!> multiplier below -1, a motion of twice as many periods is sought near that.
 module gearsweep_motion_search
   use gearsweep_base, only: dp, wants_stop
   use gearsweep_motion_contact_set, only: join, period_t
   use gearsweep_motion_gauss, only: batch_size
-  use gearsweep_motion_known_motions, only: add_known, approach_t, find_nearest, known_t, scale_of, watch_approach
+  use gearsweep_motion_known_motions, only: add_known, approach_t, find_nearest, find_nearest_state, known_t, scale_of, &
+    watch_approach
   use gearsweep_motion_period, only: run_batch, run_period
   use gearsweep_motion_period_map, only: period_map_t, set_durations
   use gearsweep_motion_periodic_orbit, only: closure_of, distance, is_bounded, judge, largest_multiplier, most_negative_direction, &
@@ -27,7 +28,7 @@ module gearsweep_motion_search
     [0.0_dp, 0.0_dp, 3.5_dp, -3.5_dp, 3.5_dp, 3.5_dp, 3.0_dp, 0.0_dp, -2.0_dp, 2.0_dp, -2.0_dp, -2.0_dp], [2, 6])
   real(dp), parameter :: start_alike = 0.05_dp, start_decay = 5.3_dp
 
-  !> Growth of a disturbance of a motion, by the monodromy matrices of its mesh periods.
+  !> Growth of a small disturbance of a motion, computed from the monodromy matrix of each mesh period.
   type :: growth_t
     real(dp) :: disturbance(2) = 1               !< x, and y over its unit; of length 1
     real(dp) :: logarithm = 0                    !< logarithm of its growth since the period `first_counted`
@@ -38,11 +39,11 @@ module gearsweep_motion_search
     procedure :: per_period
   end type growth_t
 
-  !> Motion from a start, in a lane of the batch.
+  !> Motion that is followed from one start.
   type :: trajectory_t
     integer :: start = 0                         !< index of its start; 0: none
-    integer :: next_try = 1                      !< periods at the next try of Newton's method from any state
-    integer :: next_shot = 1                     !< periods at the next try where the motion nearly repeats
+    integer :: next_try = 1                      !< mesh periods after which any motion is tried next
+    integer :: next_shot = 1                     !< mesh periods after which a motion that nearly repeats is tried next
     integer :: in_full_contact = 0               !< periods in a row
     type(growth_t) :: growth
     type(approach_t) :: approach
@@ -127,15 +128,16 @@ contains
     type(period_t) :: run(batch_size)
     real(dp) :: state(2, batch_size)
     logical :: active(batch_size)
+    real(dp) :: before
     integer :: next, l, most_cycles
 
+    before = map%work
     most_cycles = options%most_cycles
     if (.not. map%osc%damping_ratio > 0) most_cycles = min(most_cycles, 2*options%most_periods)
     search%ends = [(end_t(state=starts(:, l)), l=1, size(starts, 2))]
     search%watched = steady_t()
     if (size(lane) > 1) then
       batch = map
-      batch%work = 0
       call set_durations(batch, [(map%duration(1), l=1, batch_size)])
     end if
     next = 1
@@ -156,6 +158,7 @@ contains
       if (search%stopped) exit
       if (size(lane) > 1) then
         call run_batch(batch, state, active, .false., run)
+        map%work = map%work + real(map%steps, dp)*count(active)
       else
         call run_period(map, state(:, 1), run(1), peaks=lane(1)%growth%periods >= first_watched)
         if (lane(1)%growth%periods >= first_watched .and. .not. run(1)%failed) &
@@ -168,8 +171,8 @@ contains
       end do
       if (.not. is_one_enough) cycle
       if (any(search%ends%motion > 0) .or. size(lane) > 1 .and. any(search%known%attracts)) exit
+      if (map%work - before > most_work) exit
     end do
-    if (allocated(batch)) map%work = map%work + batch%work
   end subroutine follow_starts
 
   !> Adds the observations of one run of the map, over this many mesh periods.
@@ -205,7 +208,7 @@ contains
     logical, intent(in) :: is_one_enough
     type(search_t), intent(inout) :: search
     type(trajectory_t), intent(inout) :: trajectory
-    ! Periods in a row in full contact after which a motion stays there: that many phases of its oscillation have occurred.
+    ! Mesh periods in a row with all pairs in contact after which the motion in full contact has captured a motion.
     integer, parameter :: stays = 12
     real(dp) :: scale(2)
     integer :: motion, status
@@ -220,7 +223,7 @@ contains
     else
       call remember(run, scale(2)/scale(1), trajectory)
       if (options%method == by_marching) then
-        call watch_return(map, options, search%known, trajectory, motion)
+        call watch_return(map, options, scale, search%known, trajectory, motion)
       else
         if (trajectory%in_full_contact >= stays) motion = search%in_full_contact
         if (motion == 0) call watch_approach(search%known, run%state, scale, trajectory%approach, motion)
@@ -290,10 +293,9 @@ contains
     per_period = self%logarithm/max(1, self%periods - first_counted)
   end function per_period
 
-  !> Tries Newton's method where the linear maps of the last 1, 2, ... mesh periods predict a periodic motion, unless one is known
-  !> there: nearby, where the motion nearly repeats while its transient decays; from time to time, anywhere. If one motion is
-  !> enough, one that nearly repeats counts as captured by the predicted one, if that is near; else each number of periods is
-  !> tried from time to time.
+  !> Tries Newton's method where the linear maps of the last 1, 2, ... mesh periods predict a periodic motion that is not known. A
+  !> motion that nearly repeats, while its transient decays, is tried a few periods after the last try; any motion, at intervals
+  !> that grow. If one motion is enough, the predicted one captures a motion that nearly repeats in its neighbourhood.
   pure subroutine try_newton(map, options, scale, is_one_enough, known, trajectory, captured)
     type(period_map_t), intent(inout) :: map
     type(steady_options_t), intent(in) :: options
@@ -322,7 +324,7 @@ contains
       end if
       if (repeats .and. .not. is_known) trajectory%next_shot = trajectory%growth%periods + 5 + trajectory%growth%periods/5
       if (motion > 0 .and. repeats .and. is_one_enough) then
-        call find_nearest(known(motion:motion), trajectory%state(:, 0), scale, which, which, difference)
+        call find_nearest_state(known(motion), trajectory%state(:, 0), scale, which, difference)
         if (known(motion)%attracts .and. maxval(abs(difference)) < near) captured = motion
       end if
       if (captured > 0 .or. (repeats .or. is_one_enough) .and. .not. is_known) exit
@@ -383,28 +385,27 @@ contains
     end do
   end subroutine try_shooting
 
-  !> Finds whether a motion repeats by itself: its distance from the periodic motion that the linear map of its last periods
-  !> predicts is far below the tolerance.
-  pure subroutine watch_return(map, options, known, trajectory, motion)
+  !> Finds whether a motion repeats: its distance from the periodic motion that the linear map of its last periods predicts is far
+  !> below the tolerance.
+  pure subroutine watch_return(map, options, scale, known, trajectory, motion)
     type(period_map_t), intent(inout) :: map
     type(steady_options_t), intent(in) :: options
+    real(dp), intent(in) :: scale(2)
     type(known_t), allocatable, intent(inout) :: known(:)
     type(trajectory_t), intent(in) :: trajectory
     integer, intent(inout) :: motion             ! index of that motion, added to the known ones
     type(period_t) :: run
     type(steady_t) :: steady
-    real(dp) :: defect(2), step(2), small
+    real(dp) :: step(2), defect(2)
     integer :: periods
-    logical :: solved
+    logical :: repeats, is_promising
 
-    small = 1e-3_dp*options%tolerance
     associate (osc => map%osc, duration => map%duration(1), state => trajectory%state(:, 0))
       do periods = 1, min(options%most_periods, trajectory%growth%periods)
+        call predict(trajectory, periods, scale, .false., step, repeats, is_promising)
+        if (.not. is_promising) cycle
         defect = state - trajectory%state(:, periods)
-        if (distance(osc, duration, defect) > small) cycle
-        if (largest_multiplier(trajectory%monodromy(:, :, periods)) > 1) cycle
-        call newton_step(trajectory%monodromy(:, :, periods), defect, step, solved)
-        if (.not. solved .or. distance(osc, duration, step - defect) > small) cycle
+        if (max(distance(osc, duration, defect), distance(osc, duration, step - defect)) > 1e-3_dp*options%tolerance) cycle
         call run_periods(map, state, periods, .true., run)
         call judge(osc, duration, state, run, closure_of(osc, duration, state, run), periods, steady)
         if (has_result(steady%status)) call add_known(map, steady, known, motion)

@@ -19,8 +19,8 @@ module gearsweep_motion_steady
 contains
 
   !> Finds the steady motion at the speed of a map: the one that `start` leads to; without `start`, the motion in full contact or
-  !> that of Newton's method from there, else the one that rest leads to. Where that does not repeat soon, other starts are tried
-  !> for a few mesh periods, in which their motions do not yet depend on rounding, and then rest for as long as it takes.
+  !> that of Newton's method from there, else the one that rest leads to. If that does not repeat soon, other starts are tried for
+  !> a few mesh periods, too few for rounding errors to grow, and then rest for as many as the options allow.
   pure subroutine find_steady(map, options, steady, start)
     type(period_map_t), intent(inout) :: map         !< map with the duration of one speed
     type(steady_options_t), intent(in) :: options
@@ -44,7 +44,7 @@ contains
       motion = findloc(search%known%attracts, .true., 1)
       if (size(search%known) > 0) steady = search%known(max(1, motion))%steady
       if (motion > 0) return
-      ! Where changes of contact are not located, the map of the period has jumps, and by marching a motion repeats by itself.
+      ! With the methods of the literature Newton's method converges only from nearby, and marching does not use it.
       if (.not. allocated(map%literature) .and. options%method == by_shooting) then
         call find_from(map, options, soon, reshape(first, [2, 1]), search, motion)
         if (search%ends(1)%status == status_chatter) then

@@ -19,8 +19,8 @@ module gearsweep_nonlinear_motion_equations
   public :: correct, tangent_of, angle_between, family_t, motion_t, motion_equations_t, make_equations, factor_of_motion, width, &
             kind_names
 
-  !> Step size below which Newton's method has converged.
-  real(dp), parameter :: small = 1e-11_dp
+  !> Step size below which Newton's method has converged. Next to a grazing it leaves a thousand times as much in the parameter.
+  real(dp), parameter :: small = 1e-12_dp
 
   !> Oscillators over a parameter.
   type, abstract :: family_t

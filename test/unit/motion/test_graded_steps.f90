@@ -3,7 +3,7 @@ module test_graded_steps
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_base_kinds, only: dp, pi
   use gearsweep_base_error, only: error_t
-  use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, point_t
+  use gearsweep_motion_error_estimate, only: accuracy_t, levels_t, point_t, work_of
   use gearsweep_motion_operating_point, only: solve_point
   use gearsweep_motion_oscillator, only: make_oscillator, mesh_period, oscillator_t
   use gearsweep_motion_periodic_orbit, only: largest_multiplier
@@ -198,15 +198,19 @@ contains
     type(tally_t), intent(inout) :: t
     type(oscillator_t) :: osc
     type(accuracy_t) :: options
-    type(point_t) :: point, slow
+    type(point_t) :: point
+    type(levels_t), allocatable :: levels
+    real(dp) :: slow
     integer :: i
 
     osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], none, 0.17_dp)
-    call solve(osc, 10.0_dp, options, slow)
-    do i = 1, 5
-      call solve(osc, 10.0_dp**(-i), options, point)
-      call check_true(t, 'steps at 1e-'//str(i)//' rpm', point%steps <= 2*slow%steps, &
-                      str(point%steps)//', at 10 rpm '//str(slow%steps))
+    do i = -1, 5
+      if (i == 0) cycle
+      allocate (levels)
+      call solve_point(osc, mesh_period(osc%mesh%teeth(1), 10.0_dp**(-i)), options, levels, point)
+      if (i == -1) slow = work_of(levels)
+      call check_true(t, 'steps at 1e'//str(-i)//' rpm', work_of(levels) <= 2*slow, str(work_of(levels))//', at 10 rpm '//str(slow))
+      deallocate (levels)
     end do
     do i = 1, 3
       osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], none, 10.0_dp**i)
